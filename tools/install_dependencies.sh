@@ -40,6 +40,8 @@ tests     shellcheck          ShellCheck           shellcheck
 tests     pyflakes3           python3-pyflakes     pyflakes
 readers   python3-vtk9        -                    -
 readers   python3-meshio      -                    -
+readers   python3-skimage     python3-scikit-image -
+readers   blender             blender              -
 readers   ffmpeg              ffmpeg               ffmpeg
 readers   gdal-bin            gdal                 gdal
 readers   mono-mcs            -                    -

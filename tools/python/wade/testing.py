@@ -16,7 +16,8 @@ Usage: tools/wade test [--all] [options of ctest]
 Installs missing packages, builds the release preset with its tests, and runs the quick set, which
 leaves out the tests with the label `long`. Its exit code is that of ctest.
 
-  --all  all tests; installs a browser for the viewer, engines for tools/wade many, too
+  --all  all tests; installs a browser for the viewer, engines for tools/wade many, and readers of
+         exported files such as Blender, too
 Other options go to ctest, for example -R unit -V. Where they choose tests (-R, -L, -LE, -I,
 --rerun-failed), long ones are not left out. As most tests wait for other processes, two run at once
 for each processor; CTEST_PARALLEL_LEVEL is another number."""
@@ -48,6 +49,7 @@ def main(arguments):
     install("build", "pictures", "tests")
     if "--all" in arguments:
         install_browser()
+        install("readers")
         if install("engines"):  # without them their tests are skipped and say so
             look_again("MPI_CXX_HEADER_DIR")
     elif works("chromium", "npm"):  # the quick test of the page runs wherever it can

@@ -1,16 +1,18 @@
 """Writes the people of a run folder, or the water or people of a recording, as files of other programs.
 
 One frame at a time, so that a run of any length fits into memory. Axes: vtk, ply, usd and pedpy have x upstream, y
-across, z up, right-handed; gltf x, y up, -z; csv keeps Wade's own (docs/engines.md).
+across, z up, right-handed; gltf and obj x, y up, -z; csv keeps Wade's own (docs/engines.md).
 
 vtk: a .vtp a frame and a .pvd, for ParaView; of a run without --water also the depths of its snapshots, .vti. ply: a
-binary .ply a frame, with velocities. usd: .usda with time samples, people as instances and as
+binary .ply a frame, with velocities: points, and the mesh of the water's surface. obj: a mesh a frame, of the water's surface
+and of people. --spacing M is the distance of the surface's vertices, around particles and over columns. usd: .usda with time samples, people as instances and as
 skeletons. gltf: figures that walk, of people. csv: one table. geotiff: depth, speed, depth times speed and hazard class of
 a run's water, a file a frame, and the maps of a place. pedpy: PedPy's text, of people.
 """
 
 import argparse
 import pathlib
+import shutil
 
 from wade import UsageError
 from wade.reports.files import whole_folder
@@ -19,13 +21,14 @@ from wade.terminal import Parser
 
 def formats():
     """{word: (class of the writer, whether it takes water)}."""
-    from wade.export import figures, tables  # with numpy, which --help does without
+    from wade.export import figures, meshes, tables  # with numpy, which --help does without
 
     return {"vtk": (tables.Vtk, True), "ply": (tables.Ply, True), "usd": (figures.Usd, True), "gltf": (figures.Gltf, False),
-            "csv": (tables.Csv, True), "pedpy": (tables.PedPy, False)}
+            "obj": (meshes.Obj, True), "csv": (tables.Csv, True), "pedpy": (tables.PedPy, False)}
 
 
-WORDS = ("vtk", "ply", "usd", "gltf", "csv", "geotiff", "pedpy")
+OPENER = "open_in_blender.py"
+WORDS = ("vtk", "ply", "obj", "usd", "gltf", "csv", "geotiff", "pedpy")
 
 
 def region(text):
@@ -51,6 +54,17 @@ def seconds(text):
     return value
 
 
+def metres(text):
+    """A length above 0, m."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is not allowed; allowed: a length above 0, m")
+    return value
+
+
 def parser():
     made = Parser("export", __doc__)
     made.add_argument("source", type=pathlib.Path, metavar="RUN|RECORDING", help="a run folder, or a recording (.wrec)")
@@ -61,6 +75,8 @@ def parser():
     made.add_argument("--interval-s", type=seconds, metavar="T", default=0.0, help="a frame each T seconds, not each n-th")
     made.add_argument("--from-s", type=seconds, metavar="T", default=0.0, help="from this time on, s [0]")
     made.add_argument("--until-s", type=seconds, metavar="T", default=float("inf"), help="up to this time, s [the end]")
+    made.add_argument("--spacing", type=metres, metavar="M", help="distance of the vertices of ply's and obj's surfaces, m [0.7 of "
+                      "the particles' distance, or the size of the cells]")
     made.add_argument("--region", type=region, metavar="X0,X1,Z0,Z1", help="only what lies in this rectangle, m")
     return made
 
@@ -78,6 +94,12 @@ def streams_of(options):
         raise UsageError(f"{options.source}: there is no such run folder or recording")
     if options.water:
         streams.append(sources.of_recording(options.water))
+    if options.to in ("ply", "obj"):
+        from wade.export.meshes import SurfaceOf
+
+        scene = sources.scene_of(options.source) if options.source.is_dir() else None
+        for stream in streams:
+            stream.surface = SurfaceOf(stream, scene, options.spacing) if stream.name == "water" else None
     if not takes_water:
         if all(stream.name == "water" for stream in streams):
             raise UsageError(f"--to {options.to} is for people; {options.source} holds water")
@@ -110,6 +132,33 @@ def export_depths(options, thinning, folder):
         raise UsageError(str(error)) from error
     if records is not None:
         print(f"depth: {Depths(folder, grid, records).write(thinning)} frames")
+
+
+def export_surfaces(options, thinning, folder):
+    """For ply and obj without particles: the surface over the depths that a run folder of a channel has."""
+    from wade.export import meshes, sources
+    from wade.export.tables import Snapshot
+    from wade.pictures.run_files import RunError, water_snapshots
+    from wade.pictures.top_view import water_cells
+
+    scene = sources.scene_of(options.source)
+    if scene.get("place"):
+        print("no surface: water.bin does not know the heights of a site; allowed: --water RECORDING (tools/wade run --record)")
+        return
+    try:
+        grid, records = water_snapshots(options.source / "water.bin")
+    except RunError as error:
+        raise UsageError(str(error)) from error
+    count = 0
+    for shown in thinning.chosen(map(Snapshot, records)) if records is not None else []:
+        mesh = meshes.surface_of_snapshot(water_cells((shown.time_s, *grid, shown.depth), scene), scene)
+        file = folder / f"surface_{shown.number:06d}.{options.to}"
+        if options.to == "ply":
+            meshes.write_ply(file, shown.time_s, mesh)
+        else:
+            meshes.write_obj(file, shown.time_s, mesh.vertices, {"water": mesh.triangles})
+        count += 1
+    print(f"surface: {count} frames")
 
 
 def export_geotiff(options, thinning, folder):
@@ -155,6 +204,8 @@ def main(arguments):
         made.error(f"--every: {options.every} is not allowed; allowed: whole numbers from 1")
     if options.every > 1 and options.interval_s:
         made.error("--every and --interval-s exclude one another")
+    if options.spacing and options.to not in ("ply", "obj"):
+        made.error(f"--spacing is for --to ply and obj, not for {options.to}")
     if options.from_s > options.until_s:
         made.error(f"--from-s {options.from_s:g} is after --until-s {options.until_s:g}")
     from wade.export.sources import Thinning
@@ -170,6 +221,10 @@ def main(arguments):
             for stream in streams:
                 count = export(stream, formats()[options.to][0](folder, stream), thinning)
                 print(f"{stream.name}: {count} frames")
+            if options.to in ("ply", "obj") and options.source.is_dir() and not options.water:
+                export_surfaces(options, thinning, folder)
+            if options.to in ("gltf", "ply", "obj"):
+                shutil.copyfile(pathlib.Path(__file__).with_name(OPENER), folder / OPENER)
             if options.to == "vtk" and options.source.is_dir() and not options.water:
                 export_depths(options, thinning, folder)
     except OSError as error:

@@ -1,10 +1,11 @@
-"""A human figure of boxes, how a person holds it, and the writers of scenes: glTF 2.0 of people, USD of people and water."""
+"""How a person holds the figure of body.py, and the writers of scenes: glTF 2.0 of people, USD of people and water."""
 
 import json
 import shutil
 
 import numpy as np
 
+from wade.export.body import CLOTHS, HIP, JOINTS, PARTS, mesh
 from wade.export.sources import Spool
 from wade.states import CODES, LOST, code_lists
 
@@ -28,44 +29,7 @@ def Xform "wade"
 """
 
 LYING = code_lists(LOST)
-HIP, SHOULDER = 0.53, 0.82  # heights, of the body's (Drillis and Contini 1966)
-# (x forward, y up, z to the right hand's side: lower ends, upper ends) of the boxes of each part, about its joint.
-PARTS = {
-    "trunk": [((-0.06, -0.02, -0.1), (0.06, 0.3, 0.1)), ((-0.05, 0.33, -0.045), (0.06, 0.47, 0.045))],
-    "leg": [((-0.05, -0.53, -0.04), (0.05, 0.0, 0.04)), ((0.05, -0.53, -0.04), (0.1, -0.49, 0.04))],
-    "arm": [((-0.03, -0.4, -0.025), (0.03, 0.0, 0.025))],
-}
-# Part, joint, and whether it swings with the left leg (1), against it (-1) or not at all (0).
-JOINTS = [("trunk", (0, HIP, 0), 0), ("leg", (0, HIP, -0.05), 1), ("leg", (0, HIP, 0.05), -1),
-          ("arm", (0, SHOULDER, -0.13), -1), ("arm", (0, SHOULDER, 0.13), 1)]
-
-
-def faces():
-    """(normal, four corners, anticlockwise as seen from outside) of a box."""
-    for axis in range(3):
-        for side in (0, 1):
-            normal = np.zeros(3)
-            normal[axis] = 2 * side - 1
-            u, v = (axis + 1) % 3, (axis + 2) % 3
-            square = []
-            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)) if side else ((0, 0), (0, 1), (1, 1), (1, 0)):
-                corner = [0, 0, 0]
-                corner[axis], corner[u], corner[v] = side, a, b
-                square.append(corner)
-            yield normal, square
-
-
-def mesh(part):
-    """(vertices, normals, triangles) of a part, right-handed with y up."""
-    points, normals, triangles = [], [], []
-    for low, high in PARTS[part]:
-        low, high = np.array(low), np.array(high)
-        for normal, square in faces():
-            first = len(points)
-            points += [low + (high - low) * corner for corner in np.array(square)]
-            normals += [normal] * 4
-            triangles += [(first, first + 1, first + 2), (first, first + 2, first + 3)]
-    return np.array(points, "f4"), np.array(normals, "f4"), np.array(triangles, "u2")
+COLOURS = ((0.55, 0.3, 0.2), (0.7, 0.25, 0.1), (0.05, 0.06, 0.1), (0.03, 0.03, 0.03), (0.1, 0.06, 0.035))  # of body.CLOTHS
 
 
 def multiplied(p, q):
@@ -168,11 +132,12 @@ class Gltf:
     def meshes(self, out):
         made = []
         for part in PARTS:
-            points, normals, triangles = mesh(part)
-            made.append({"name": part, "primitives": [{
-                "attributes": {"POSITION": self.stored(out, points, VERTICES, "VEC3", True),
-                               "NORMAL": self.stored(out, normals, VERTICES, "VEC3")},
-                "indices": self.stored(out, triangles.ravel(), INDICES), "material": 0}]})
+            points, normals, triangles, cloths = mesh(part)
+            attributes = {"POSITION": self.stored(out, points, VERTICES, "VEC3", True),
+                          "NORMAL": self.stored(out, normals, VERTICES, "VEC3")}
+            made.append({"name": part, "primitives": [
+                {"attributes": attributes, "indices": self.stored(out, triangles[cloths == cloth].ravel(), INDICES),
+                 "material": int(cloth)} for cloth in np.unique(cloths)]})
         return made
 
     def person(self, out, who, tracks, nodes, samplers, channels):
@@ -210,8 +175,9 @@ class Gltf:
             roots = [self.person(out, who, tracks, nodes, samplers, channels) for who in sorted(self.heights)]
         document = {
             "asset": {"version": "2.0", "generator": "Wade"}, "scene": 0, "scenes": [{"nodes": roots}], "nodes": nodes,
-            "meshes": meshes, "materials": [{"name": "clothes", "pbrMetallicRoughness": {
-                "baseColorFactor": [0.7, 0.25, 0.1, 1], "metallicFactor": 0, "roughnessFactor": 0.8}}],
+            "meshes": meshes, "materials": [{"name": name, "pbrMetallicRoughness": {
+                "baseColorFactor": [*colour, 1], "metallicFactor": 0, "roughnessFactor": 0.8}}
+                for name, colour in zip(CLOTHS, COLOURS)],
             "animations": [{"name": "run", "samplers": samplers, "channels": channels}], "accessors": self.accessors,
             "bufferViews": self.views, "buffers": [{"uri": "people.bin", "byteLength": self.bytes}],
         }
@@ -242,7 +208,7 @@ def figure_text():
     """The figure as a mesh, one metre tall, z up; it looks along x."""
     vertices, corners, first = [], [], 0
     for part, joint, _ in JOINTS:
-        points, _, triangles = mesh(part)
+        points, _, triangles, _ = mesh(part)
         vertices.append(points + np.array(joint, "f4"))
         corners.append(triangles.astype(int) + first)
         first += len(points)

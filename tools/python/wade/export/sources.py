@@ -78,10 +78,14 @@ class Thinning:
 
 
 class Stream:
-    """Points frame by frame. name: "water" or "people"; radius: of a particle, m, for programs that draw it."""
+    """Points frame by frame. name: "water" or "people"; radius: of a particle, m, for programs that draw it.
 
-    def __init__(self, name, rate_hz, frames, radius=0.25):
+    producer: the name of the program that made a recording. surface: makes a mesh of the points of water, see meshes.SurfaceOf.
+    """
+
+    def __init__(self, name, rate_hz, frames, radius=0.25, producer=""):
         self.name, self.rate_hz, self.frames, self.radius = name, rate_hz, frames, radius
+        self.producer, self.surface = producer, None
 
     def points(self, thinning):
         for frame in thinning.chosen(self.frames()):
@@ -135,7 +139,7 @@ def of_recording(path):
             raise UsageError(f"{path} holds no whole frame")
 
     name = "people" if recording.kind == AGENTS else "water"
-    return Stream(name, recording.rate_hz, frames, recording.radius or 0.25)
+    return Stream(name, recording.rate_hz, frames, recording.radius or 0.25, recording.producer)
 
 
 class People:

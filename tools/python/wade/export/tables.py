@@ -7,6 +7,7 @@ import zlib
 import numpy as np
 
 from wade import UsageError
+from wade.export.meshes import write_ply
 from wade.states import CODES
 
 STATE_WORDS = ", ".join(f"{code} {word}" for word, code in CODES.items())
@@ -108,12 +109,14 @@ class Snapshot:
 
 
 class Ply:
-    """A binary little-endian .ply a frame."""
+    """A binary little-endian .ply a frame; of water also the mesh of its surface, surface_NNNNNN.ply."""
 
     def __init__(self, folder, stream):
-        self.folder, self.name = folder, stream.name
+        self.folder, self.name, self.surface = folder, stream.name, stream.surface
 
     def add(self, points):
+        if self.surface:
+            write_ply(self.folder / f"surface_{points.number:06d}.ply", points.time_s, self.surface(points))
         points = points.z_up()
         names = ["x", "y", "z", "vx", "vy", "vz", *others(points)]
         kind = np.dtype([(name, MEANING.get(name, "<f4")) for name in names])

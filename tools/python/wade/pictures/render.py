@@ -13,8 +13,8 @@ import tempfile
 import numpy as np
 
 SHIRTS = ((0.62, 0.06, 0.04), (0.75, 0.42, 0.02), (0.05, 0.2, 0.5), (0.6, 0.6, 0.58), (0.05, 0.32, 0.16), (0.35, 0.05, 0.3))
-SKIN, TROUSERS, GROUND, BED, STONE, GOAL = (0.55, 0.3, 0.2), (0.03, 0.035, 0.05), (0.3, 0.27, 0.16), (0.2, 0.17, 0.12), \
-    (0.3, 0.3, 0.31), (0.9, 0.55, 0.02)
+BODY = ((0.55, 0.3, 0.2), (0.03, 0.035, 0.05), (0.015, 0.015, 0.015), (0.06, 0.035, 0.02))  # skin, trousers, shoes, hair
+GROUND, BED, STONE, GOAL = (0.3, 0.27, 0.16), (0.2, 0.17, 0.12), (0.3, 0.3, 0.31), (0.9, 0.55, 0.02)
 QUADS = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])  # of a box's corners
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
@@ -26,58 +26,34 @@ def boxes(ends):
     return points.reshape(-1, 3), (QUADS[None] + 8 * np.arange(len(ends))[:, None, None]).reshape(-1, 4)
 
 
-def turned(turns, points):
-    """Points, (people, corners, 3), turned by a quaternion x, y, z, w each."""
-    axis, w = turns[:, None, :3], turns[:, None, 3:]
-    twice = 2 * np.cross(axis, points)
-    return points + w * twice + np.cross(axis, twice)
-
-
 def figures(people, swing):
-    """(vertices, quads, colour of each quad) of people, z up; swing: of the left leg, rad."""
-    from wade.export.figures import JOINTS, PARTS, rotated, turns
+    """(vertices, triangles, colour of each triangle) of people, z up; swing: of the left leg, rad."""
+    from wade.export import body
+    from wade.export.figures import turns
 
-    vertices, colours, turn = [], [], turns(people)
-    feet = np.stack([people["x"], people["y"], -people["z"]], axis=1)[:, None, :]
-    for part, joint, side in JOINTS:
-        for n, (low, high) in enumerate(PARTS[part]):
-            # As rounding makes it smaller.
-            wider = np.array({"trunk": (1.25, 1.1, 1.15), "leg": (1.5, 1.1, 1.5), "arm": (1.1, 1.05, 1.1)}[part])
-            middle, half = (np.array(low) + high) / 2, wider * (np.array(high) - low) / 2
-            corners = np.repeat((middle + half * (2 * CORNERS - 1))[None], len(people), axis=0)
-            angle = side * swing / 2
-            hinge = np.stack([0 * angle, 0 * angle, np.sin(angle), np.cos(angle)], axis=1)
-            placed = people["height"][:, None, None] * (turned(hinge, corners) + np.array(joint))
-            vertices.append(turned(turn, placed) + feet)
-            shirt = people["id"] % len(SHIRTS)
-            body = {"leg": len(SHIRTS) + 1}.get(part, len(SHIRTS) if n else shirt)
-            colours.append(np.broadcast_to(body, len(people)))
-    points = rotated(np.stack(vertices, axis=1).reshape(-1, 3))
-    quads = QUADS[None] + 8 * np.arange(len(points) // 8)[:, None, None]
-    return points, quads.reshape(-1, 4), np.repeat(np.stack(colours, axis=1).ravel(), 6)
+    points, triangles, cloths = body.posed(people, turns(people), swing)
+    shirts = np.repeat(people["id"] % len(SHIRTS), len(cloths) // max(1, len(people)))
+    others = {body.SKIN: 0, body.TROUSERS: 1, body.SHOES: 2, body.HAIR: 3}
+    colours = np.array([len(SHIRTS) + others.get(cloth, 0) for cloth in range(len(body.CLOTHS))])[cloths]
+    return points, triangles, np.where(cloths == body.SHIRT, shirts, colours)
 
 
-def surface(cells, bed):
-    """(vertices, quads) of the closed surface of water of cells (borders along x and z, depths), z up; None if all is dry."""
-    from wade.pictures.top_view import WET_M
+def surface(options, scene):
+    """The mesh of the water's surface at the time: around the particles of a recording, else over the cells of a snapshot."""
+    from wade.export import sources, surfaces
+    from wade.export.meshes import SurfaceOf, surface_of_snapshot
+    from wade.pictures import top_view
+    from wade.pictures.film import Snapshots
 
-    x, z, depth = cells
-    wet = np.pad(depth >= WET_M, 1)
-    if not wet.any():
-        return None
-    around = [np.pad(depth, 1)[i : i + len(z), j : j + len(x)] for i in (0, 1) for j in (0, 1)]
-    full = [wet[i : i + len(z), j : j + len(x)] for i in (0, 1) for j in (0, 1)]
-    height = sum(a * f for a, f in zip(around, full)) / np.maximum(1, sum(f.astype(int) for f in full))
-    grid_x, grid_z = np.meshgrid(x, z)
-    low = np.broadcast_to(bed(x), grid_x.shape) + 0.005
-    points = [np.stack([grid_x, grid_z, level], axis=-1).reshape(-1, 3) for level in (low + height, low)]
-    n = np.arange(grid_x.size).reshape(grid_x.shape)
-    a, b, c, d = n[:-1, :-1], n[:-1, 1:], n[1:, 1:], n[1:, :-1]  # corners of a cell, anticlockwise from above
-    inner, below = wet[1:-1, 1:-1], grid_x.size
-    quads = [np.stack([a, b, c, d], -1)[inner], np.stack([a, d, c, b], -1)[inner] + below]
-    for p, q, beyond in ((a, b, wet[:-2, 1:-1]), (b, c, wet[1:-1, 2:]), (c, d, wet[2:, 1:-1]), (d, a, wet[1:-1, :-2])):
-        quads.append(np.stack([p, p + below, q + below, q], -1)[inner & ~beyond])
-    return np.concatenate(points), np.concatenate(quads)
+    if options.water:
+        stream, newest = sources.of_recording(options.water), None
+        for frame in stream.frames():
+            if frame.time_s > options.time + 1e-9:
+                break
+            newest = frame
+        return SurfaceOf(stream, scene)(newest.points()) if newest else surfaces.empty()
+    _, snapshot = Snapshots(options.run / "water.bin").at(options.time)
+    return surface_of_snapshot(top_view.water_cells(snapshot, scene), scene) if snapshot else surfaces.empty()
 
 
 def people_at(run, time_s):
@@ -95,25 +71,13 @@ def people_at(run, time_s):
     return people, swing
 
 
-def bed_of(scene):
-    """Height of the bed along x."""
-    points = scene["channel"]["bed_points"]
-    if not points:
-        return lambda x: np.zeros(len(x))
-    x, y = zip(*sorted((point["x_m"], point["y_m"]) for point in points))
-    return lambda at: np.interp(at, x, y)
-
-
 def job(options):
     """All that Blender draws, as arrays by name."""
+    from wade.export.meshes import bed_of
     from wade.export.sources import scene_of
-    from wade.pictures import top_view
-    from wade.pictures.film import Recorded, Snapshots
 
     scene = scene_of(options.run)
     people, swing = people_at(options.run, options.time)
-    water = Recorded(options.water, scene) if options.water else Snapshots(options.run / "water.bin")
-    _, cells = water.at(options.time)
     parts = {}
 
     def add(name, points, quads, colours, colour_of=0):
@@ -121,7 +85,8 @@ def job(options):
         parts[f"{name} colours"] = np.asarray(colours, "f4").reshape(-1, 3)
         parts[f"{name} colour of"] = np.broadcast_to(np.asarray(colour_of, "i4"), len(quads))
 
-    add("people", *figures(people, swing)[:2], (*SHIRTS, SKIN, TROUSERS), figures(people, swing)[2])
+    points, triangles, colours = figures(people, swing)
+    add("people", points, triangles, (*SHIRTS, *BODY), colours)
     world, channel, bed = scene["world"], scene["channel"], bed_of(scene)
     far = 6 * max(world["length_m"], world["width_m"])
     x = np.unique([-far, *(point["x_m"] for point in channel["bed_points"]), world["length_m"] + far])
@@ -141,9 +106,9 @@ def job(options):
     poles = [(gx - 0.08, gz - 0.08, 0, gx + 0.08, gz + 0.08, 4) for gx, gz in goals if 0 <= gx <= world["length_m"]]
     if poles:
         add("goals", *boxes(poles), GOAL)
-    wet = surface(top_view.water_cells(cells, scene), bed) if cells else None
-    if wet:
-        add("water", *wet, (0, 0, 0))
+    water = surface(options, scene)
+    if len(water.triangles):
+        add("water", water.vertices + [0, 0, 0.005], water.triangles, (0, 0, 0))  # above the bed
     look, eye = camera(people, options)
     return parts | {"look": look, "eye": eye}
 
@@ -208,8 +173,6 @@ def draw_in_blender(arrays, picture, width, height, samples):
         shape.polygons.foreach_set("material_index", arrays[f"{name} colour of"])
         if name in ("people", "water"):
             shape.polygons.foreach_set("use_smooth", [True] * len(shape.polygons))
-        if name == "people":
-            thing.modifiers.new("round", "SUBSURF").render_levels = 2
         shape.update()
     world = data.worlds.new("sky")
     scene.world, world.use_nodes = world, True
