@@ -48,7 +48,7 @@ COMMANDS = {
         Command("maps", "maps of a place: depth, speed, arrival, danger", "wade.pictures.place_maps", pictures=True),
         Command("film", "a film of a run, from above or of the viewer (needs ffmpeg)", "wade.pictures.film", pictures=True),
         Command("render", "a moment of a run with light and water (needs Blender)", "wade.pictures.render", pictures=True),
-        Command("export", "people and water as VTK, PLY, USD, glTF, GeoTIFF, CSV, PedPy", "wade.export", pictures=True),
+        Command("export", "people and water as VTK, PLY, OBJ, USD, glTF, GeoTIFF, CSV, PedPy", "wade.export", pictures=True),
     ),
     "Compare outcomes": (
         Command("paper", "all scenarios of the paper with many seeds, beside the paper", "wade.suites.paper", PAIR,
