@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
 #include "configs/scene/particle_volume.hpp"
+#include "configs/scene/polygon_rows.hpp"
 #include "configs/scene/world.hpp"
 
 namespace wade {
@@ -94,19 +96,26 @@ double standing_water(const Scene& scene) {
     const auto along = [&](double length) { return static_cast<int>(std::max(1.0, std::round(length / step))); };
     const int nx = along(scene.world->length), nz = along(scene.world->width);
     const double dx = scene.world->length / nx, dz = scene.world->width / nz;
+    const PointGrid grid{nx, nz, dx, dz};
+    const auto number = [&](int column, int row) { return static_cast<std::size_t>(row * nx + column); };
+    std::vector<double> depths(static_cast<std::size_t>(nx) * static_cast<std::size_t>(nz), 0.0);
+    for (int row = 0; row < nz; ++row) {
+        for (int column = 0; column < nx && place.water_depth; ++column)
+            depths[number(column, row)] = height_in(*place.water_depth, grid.at(column, row));
+    }
+    for (const StandingWater& water : place.water) {
+        const auto fill = [&](int column, int row) {
+            double& depth = depths[number(column, row)];
+            depth = std::max(depth, water.level - ground_height(place.ground, grid.at(column, row)));
+        };
+        const MapPolygon everywhere{{{{0, 0}, {nx * dx, 0}, {nx * dx, nz * dz}, {0, nz * dz}}}};
+        for_each_point_in(water.polygon.rings.empty() ? everywhere : water.polygon, grid, fill);
+    }
+    for (const House& house : place.houses)
+        for_each_point_in(house.polygon, grid, [&](int column, int row) { depths[number(column, row)] = 0; });
     double volume = 0;
-    for (int k = 0; k < nx * nz; ++k) {
-        const int column = k % nx, row = k / nx;
-        const MapPoint p{(column + 0.5) * dx, (row + 0.5) * dz};
-        double depth = place.water_depth ? height_in(*place.water_depth, p) : 0;
-        for (const StandingWater& water : place.water) {
-            if (!water.polygon.rings.empty() && !contains(water.polygon, p)) continue;
-            depth = std::max(depth, water.level - ground_height(place.ground, p));
-        }
-        if (!(depth > 0)) continue;
-        const bool in_house = std::any_of(place.houses.begin(), place.houses.end(),
-                                          [&](const House& house) { return contains(house.polygon, p); });
-        if (!in_house) volume += depth * dx * dz;
+    for (const double depth : depths) {
+        if (depth > 0) volume += depth * dx * dz;
     }
     return volume;
 }
