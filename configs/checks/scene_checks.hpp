@@ -32,6 +32,7 @@ struct StartPlace {
 void check_geometry(const Scene& scene, const std::string& source, Problems& problems);
 void check_boundaries(const Scene& scene, const std::string& source, Problems& problems);
 void check_water(const Scene& scene, const std::string& source, Problems& problems);
+void check_ground(const Scene& scene, const std::string& source, Problems& problems);
 void check_place(const Scene& scene, const std::string& source, Problems& problems);
 void check_crowd(const Scene& scene, const std::string& source, Problems& problems);
 

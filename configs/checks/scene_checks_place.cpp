@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -38,13 +39,6 @@ std::string at_words(double x, double z) {
     return "x " + short_number(x) + " m, z " + short_number(z) + " m";
 }
 
-// All digits that a tool needs to find the same value.
-std::string exact_number(double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    return text;
-}
-
 // A label begins with the key and may go on with file and feature.
 [[noreturn]] void refuse_shape(const std::string& source, const std::string& label, const std::string& sentence) {
     throw ConfigurationError(source + ": " + label + ": " + sentence);
@@ -62,33 +56,56 @@ struct MapBox {
     }
 };
 
-MapBox box_of(const MapPolygon& polygon, const MapLine& line = {}) {
+MapBox box_of(const MapPolygon& polygon) {
     MapBox box;
-    for (const MapPoint& p : line) box.take(p);
     for (const MapLine& ring : polygon.rings) {
         for (const MapPoint& p : ring) box.take(p);
     }
     return box;
 }
 
-// Where a ring crosses itself: its edges by their smallest x, each against those that begin before it ends.
-std::optional<MapPoint> crossing_of(const MapLine& ring) {
+// Comparisons of corners, edges and boxes that the checks of one scene may take, so that none takes long.
+class Work {
+ public:
+    void take(std::size_t steps, const std::string& source, const std::string& label) {
+        if (steps > left_)
+            refuse_shape(source, label,
+                         "the outlines are too long or too tangled to be checked. Remedy: ogr2ogr -simplify 0.1, or "
+                         "leave out what lies beside the site.");
+        left_ -= steps;
+    }
+
+ private:
+    std::size_t left_ = 200'000'000;
+};
+
+// Where the rings of a polygon cross themselves or one another: their edges by their smallest x, each against those that begin before
+// it ends.
+std::optional<MapPoint> crossing_of(const MapPolygon& polygon, const std::string& label, const std::string& source,
+                                    Work& work) {
     struct Edge {
         MapPoint a, b;
-        [[nodiscard]] double lo() const { return std::min(a.x, b.x); }
-        [[nodiscard]] double hi() const { return std::max(a.x, b.x); }
+        double lo, hi, bottom, top;
     };
     std::vector<Edge> edges;
-    for (std::size_t k = 0; k < ring.size(); ++k) edges.push_back({ring[k], ring[(k + 1) % ring.size()]});
-    std::sort(edges.begin(), edges.end(), [](const Edge& one, const Edge& other) { return one.lo() < other.lo(); });
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-        for (std::size_t k = i + 1; k < edges.size() && edges[k].lo() <= edges[i].hi(); ++k) {
-            const auto& [a, b] = edges[i];
-            const auto& [c, d] = edges[k];
-            if (!on_map::cross(a, b, c, d)) continue;
-            const double along = on_map::turn(c, d, a) / (on_map::turn(c, d, a) - on_map::turn(c, d, b));
-            return MapPoint{a.x + along * (b.x - a.x), a.z + along * (b.z - a.z)};
+    for (const MapLine& ring : polygon.rings) {
+        for (std::size_t k = 0; k < ring.size(); ++k) {
+            const MapPoint &a = ring[k], &b = ring[(k + 1) % ring.size()];
+            edges.push_back({a, b, std::min(a.x, b.x), std::max(a.x, b.x), std::min(a.z, b.z), std::max(a.z, b.z)});
         }
+    }
+    std::sort(edges.begin(), edges.end(), [](const Edge& one, const Edge& other) { return one.lo < other.lo; });
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        const Edge& e = edges[i];
+        std::size_t k = i + 1;
+        for (; k < edges.size() && edges[k].lo <= e.hi; ++k) {
+            const Edge& o = edges[k];
+            if (o.bottom > e.top || o.top < e.bottom || !on_map::cross(e.a, e.b, o.a, o.b)) continue;
+            const double along =
+                on_map::turn(o.a, o.b, e.a) / (on_map::turn(o.a, o.b, e.a) - on_map::turn(o.a, o.b, e.b));
+            return MapPoint{e.a.x + along * (e.b.x - e.a.x), e.a.z + along * (e.b.z - e.a.z)};
+        }
+        work.take(k - i, source, label);
     }
     return std::nullopt;
 }
@@ -106,6 +123,33 @@ double distance_to(const MapLine& ring, const MapPoint& p) {
         nearest = std::min(nearest, std::hypot(p.x - foot.x, p.z - foot.z));
     }
     return nearest;
+}
+
+// A house that stands twice counts its people twice; houses that cover the site several times over are no houses.
+void check_houses_beside(const Scene& scene, const std::string& source) {
+    constexpr double step = 0.1;  // m; corners of the same box differ by less
+    const double site = scene.world->length * scene.world->width, most = 4 * site + 1e4;
+    std::map<std::array<std::int64_t, 5>, const House*> known;
+    double covered = 0;
+    for (const House& house : scene.place->houses) {
+        const MapBox box = box_of(house.polygon);
+        double area = 0;
+        for (const MapLine& ring : house.polygon.rings) area += area_of(ring);
+        const auto rounded = [](double v) { return static_cast<std::int64_t>(std::llround(v / step)); };
+        const auto [other, is_new] = known.insert(
+            {{rounded(box.x.lo), rounded(box.x.hi), rounded(box.z.lo), rounded(box.z.hi), rounded(area)}, &house});
+        if (!is_new)
+            refuse_shape(source, house.label,
+                         "it is the same house as " + other->second->label +
+                             ", whose people would count twice; allowed: once. Remedy: take one out; tools/wade place "
+                             "import does.");
+        covered += box.x.length() * box.z.length();
+        if (covered > most)
+            refuse_shape(source, house.label,
+                         "the rectangles round the houses up to this one cover " + short_number(covered) +
+                             " m2 of a site of " + short_number(site) + " m2; allowed: <= " + short_number(most) +
+                             " m2.");
+    }
 }
 
 // Which house, if any, a point lies in: houses by the square of a lattice over the world.
@@ -158,139 +202,60 @@ bool is_in_world(const MapPoint& p, const World& world) {
     return 0 <= p.x && p.x <= world.length && 0 <= p.z && p.z <= world.width;
 }
 
-void check_extent(const Scene& scene, const Raster& raster, const std::string& source) {
-    const double slack = rounding_tolerance * (scene.world->length + scene.world->width) + 1e-6 * raster.cell;
-    const Interval x{raster.x, raster.x + static_cast<double>(raster.columns) * raster.cell};
-    const Interval z{raster.z, raster.z + static_cast<double>(raster.rows) * raster.cell};
-    if (x.lo <= slack && z.lo <= slack && x.hi >= scene.world->length - slack && z.hi >= scene.world->width - slack)
-        return;
-    refuse(
-        source, "/place/ground/file",
-        scene.place->ground.file + ": it covers x " + short_number(x.lo) + " to " + short_number(x.hi) + " m, z " +
-            short_number(z.lo) + " to " + short_number(z.hi) + " m of a world of " + short_number(scene.world->length) +
-            " x " + short_number(scene.world->width) +
-            " m. Remedy: leave out /world/length_m, /world/width_m and the place's origin, which then are those of the "
-            "raster, or choose them within it.");
-}
-
-void check_heights(const Scene& scene, const Raster& raster, const std::string& source) {
-    constexpr double lowest = -500, highest = 9000;  // the Dead Sea's shore, Mount Everest
-    for (std::size_t k = 0; k < raster.values.size(); ++k) {
-        const double value = raster.values[k];
-        if (std::isnan(value) || (value >= lowest && value <= highest)) continue;
-        refuse(source, "/place/ground/file",
-               scene.place->ground.file + ": the height of row " + std::to_string(raster.rows - k / raster.columns) +
-                   " from the top, column " + std::to_string(k % raster.columns + 1) + " is " + short_number(value) +
-                   " m; allowed: -500 to 9000 m. Remedy: if it stands for \"no data\", gdal_translate -a_nodata " +
-                   exact_number(value) + " " + scene.place->ground.file + " OUT.tif.");
-    }
-}
-
-// Marks the cells without a height that are joined over such cells to the raster's edge: those are the outside. Runs of a row are taken
-// at once, so that few wait.
-std::vector<bool> outside_of(const Raster& raster) {
-    const std::size_t columns = raster.columns, rows = raster.rows;
-    std::vector<bool> outside(raster.values.size());
-    std::vector<std::size_t> open;  // one cell of each run that was reached
-    const auto is_free = [&](std::size_t k) { return !outside[k] && std::isnan(raster.values[k]); };
-    const auto spread = [&](std::size_t start) {
-        if (is_free(start)) open.push_back(start);
-        while (!open.empty()) {
-            const std::size_t k = open.back(), row = k / columns * columns;
-            open.pop_back();
-            if (!is_free(k)) continue;
-            std::size_t lo = k, hi = k;
-            while (lo > row && is_free(lo - 1)) --lo;
-            while (hi + 1 < row + columns && is_free(hi + 1)) ++hi;
-            for (std::size_t n = lo; n <= hi; ++n) outside[n] = true;
-            const auto look = [&](std::size_t first, std::size_t last) {
-                for (std::size_t n = first; n <= last; ++n) {
-                    if (is_free(n) && (n == first || !is_free(n - 1))) open.push_back(n);
-                }
-            };
-            if (row > 0) look(lo - columns, hi - columns);
-            if (row / columns + 1 < rows) look(lo + columns, hi + columns);
-        }
-    };
-    for (std::size_t c = 0; c < columns; ++c) {
-        spread(c);
-        spread((rows - 1) * columns + c);
-    }
-    for (std::size_t r = 0; r < rows; ++r) {
-        spread(r * columns);
-        spread(r * columns + columns - 1);
-    }
-    return outside;
-}
-
-// Cells without a height inside of the ground are refused.
-void check_holes(const Scene& scene, const Raster& raster, const std::string& source) {
-    const std::vector<bool> outside = outside_of(raster);
-    const std::size_t columns = raster.columns;
-    std::size_t holes = 0, valid = 0;
-    MapPoint first;
-    for (std::size_t k = 0; k < raster.values.size(); ++k) {
-        const std::size_t c = k % columns, r = k / columns;
-        const MapPoint centre{raster.x + (static_cast<double>(c) + 0.5) * raster.cell,
-                              raster.z + (static_cast<double>(r) + 0.5) * raster.cell};
-        if (!is_in_world(centre, scene.world)) continue;
-        if (!std::isnan(raster.values[k])) ++valid;
-        if (!std::isnan(raster.values[k]) || outside[k]) continue;
-        if (holes++ == 0) first = centre;
-    }
-    const std::string remedy = " Remedy: tools/wade place import --fill fills holes from their edges.";
-    if (valid == 0)
-        refuse(source, "/place/ground/file",
-               scene.place->ground.file + ": no cell of the world has a height." + remedy);
-    if (holes == 0) return;
-    refuse(source, "/place/ground/file",
-           scene.place->ground.file + ": " + std::to_string(holes) +
-               " cells inside have no height (no data), the first at " + at_words(first.x, first.z) + "." + remedy);
-}
-
-void check_water_depth(const Scene& scene, const std::string& source) {
-    const Place& place = *scene.place;
-    if (!place.water_depth) return;
-    constexpr double deepest = 1000;  // m, as of a level above the ground
-    for (const double depth : place.water_depth->values) {
-        if (std::isnan(depth) || (depth >= 0 && depth <= deepest)) continue;
-        refuse(source, "/place/water_depth_file",
-               place.water_file + ": a depth of " + short_number(depth) +
-                   " m; allowed: 0 to 1000 m. Remedy: gdal_translate -a_nodata " + exact_number(depth) + " " +
-                   place.water_file + " OUT.tif, if it stands for \"no data\".");
-    }
-}
-
-void check_rings(const MapPolygon& polygon, const std::string& label, const std::string& source) {
+void check_rings(const MapPolygon& polygon, const std::string& label, const std::string& source, Work& work) {
     constexpr double least_area = 0.01;  // m2
     for (const MapLine& ring : polygon.rings) {
         if (ring.size() < 3)
             refuse_shape(source, label,
                          std::to_string(ring.size()) + " corners; allowed: at least 3. Remedy: take it out.");
-        if (const auto place = crossing_of(ring)) {
-            refuse_shape(source, label,
-                         "its outline crosses itself at " + at_words(place->x, place->z) +
-                             ". Remedy: draw its corners in order, or ogr2ogr -makevalid.");
-        }
-        if (area_of(ring) < least_area)
+        if (area_of(ring) < least_area && !crossing_of({{ring}}, label, source, work))
             refuse_shape(source, label,
                          "its corners enclose " + short_number(area_of(ring)) + " m2; allowed: >= " +
                              short_number(least_area) + " m2. Remedy: take it out, or draw its corners in order.");
     }
+    if (const auto place = crossing_of(polygon, label, source, work)) {
+        refuse_shape(source, label,
+                     "its outline crosses itself at " + at_words(place->x, place->z) +
+                         ". Remedy: draw its corners in order, or ogr2ogr -makevalid.");
+    }
 }
 
-void check_in_world(const MapBox& box, const Scene& scene, const std::string& label, const std::string& source) {
-    if (box.meets({{0, scene.world->length}, {0, scene.world->width}})) return;
-    refuse_shape(
-        source, label,
-        "it lies outside the place, at " + at_words(box.x.lo, box.z.lo) + "; allowed: x 0 to " +
-            short_number(scene.world->length) + " m, z 0 to " + short_number(scene.world->width) +
-            " m. Remedy: tools/wade place import crops files to the ground; or is its coordinate system another one?");
+// How far corners may lie beyond the edge of the world, m [A]: of what stands on the site, and of the outline of a lake or of a kind of
+// ground, which the site only cuts.
+constexpr double reach_of_works = 1000, reach_of_areas = 1e5;
+
+// Whether a shape lies in the world, at least a part of it, and no corner far off: before any work is done on it.
+void check_in_world(const MapPolygon& polygon, const MapLine& line, double reach, const Scene& scene,
+                    const std::string& label, const std::string& source) {
+    const double length = scene.world->length, width = scene.world->width;
+    const auto check_corners = [&](const MapLine& corners) {
+        for (const MapPoint& p : corners) {
+            const double off = std::max({-p.x, p.x - length, -p.z, p.z - width});
+            if (off <= reach) continue;
+            refuse_shape(source, label,
+                         "its corner at " + at_words(p.x, p.z) + " is " + short_number(off) +
+                             " m away from the site; allowed: <= " + short_number(reach) +
+                             " m. Remedy: move it, or is its coordinate system another one?");
+        }
+    };
+    MapBox box = box_of(polygon);
+    for (const MapPoint& p : line) box.take(p);
+    if (!box.meets({{0, length}, {0, width}}))
+        refuse_shape(source, label,
+                     "it lies outside the place, at " + at_words(box.x.lo, box.z.lo) + "; allowed: x 0 to " +
+                         short_number(length) + " m, z 0 to " + short_number(width) +
+                         " m. Remedy: tools/wade place import crops files to the ground; or is its coordinate system "
+                         "another one?");
+    check_corners(line);
+    for (const MapLine& ring : polygon.rings) check_corners(ring);
 }
 
-void check_house(const House& house, const Scene& scene, const std::string& source) {
-    check_rings(house.polygon, house.label, source);
-    check_in_world(box_of(house.polygon), scene, house.label, source);
+void check_house(const House& house, const Scene& scene, const std::string& source, Work& work) {
+    check_in_world(house.polygon, {}, reach_of_works, scene, house.label, source);
+    check_rings(house.polygon, house.label, source, work);
+    std::size_t corners = 0;
+    for (const MapLine& ring : house.polygon.rings) corners += ring.size();
+    work.take(corners * house.doors.size(), source, house.label);
     constexpr double at_most = 1;  // [A] a door drawn by hand is off its wall by less
     for (const MapPoint& door : house.doors) {
         double nearest = INFINITY;
@@ -304,9 +269,15 @@ void check_house(const House& house, const Scene& scene, const std::string& sour
 
 // Some of the points over which a source spreads its water, about as far apart as the cells.
 std::vector<MapPoint> points_of(const Source& source, double cell) {
-    constexpr double most = 200;  // in a row
+    std::size_t corners = 1;
+    for (const MapLine& ring : source.polygon.rings) corners += ring.size();
+    constexpr double points_at_most = 40'000, edges_at_most = 2e7;
+    // In a row of a polygon, and of a side of a line.
+    const double most = std::max(
+        1.0, source.line.empty() ? std::sqrt(std::min(points_at_most, edges_at_most / static_cast<double>(corners)))
+                                 : std::min(200.0, points_at_most / static_cast<double>(source.line.size())));
     std::vector<MapPoint> points = source.line;
-    const MapBox box = box_of(source.polygon, source.line);
+    const MapBox box = box_of(source.polygon);
     for (std::size_t k = 1; k < source.line.size(); ++k) {
         const MapPoint &a = source.line[k - 1], &b = source.line[k];
         const double length = std::hypot(b.x - a.x, b.z - a.z), steps = std::clamp(std::ceil(length / cell), 1.0, most);
@@ -335,9 +306,10 @@ bool has_ground(const Ground& ground, const MapPoint& p) {
     return !std::isnan(raster.at(column, row));
 }
 
-void check_source(const Source& made, const Scene& scene, const HouseFinder& houses, const std::string& source) {
-    if (made.line.empty()) check_rings(made.polygon, made.label, source);
-    check_in_world(box_of(made.polygon, made.line), scene, made.label, source);
+void check_source(const Source& made, const Scene& scene, const HouseFinder& houses, const std::string& source,
+                  Work& work) {
+    check_in_world(made.polygon, made.line, reach_of_works, scene, made.label, source);
+    if (made.line.empty()) check_rings(made.polygon, made.label, source, work);
     const House* roof = nullptr;
     for (const MapPoint& p : points_of(made, scene.fluid->shallow_water.cell_size)) {
         if (!is_in_world(p, scene.world) || !has_ground(scene.place->ground, p)) continue;
@@ -351,12 +323,31 @@ void check_source(const Source& made, const Scene& scene, const HouseFinder& hou
 }
 
 void check_gauge(const Gauge& gauge, const Scene& scene, const HouseFinder& houses, const std::string& source) {
-    check_in_world(box_of({}, {gauge.at}), scene, gauge.label, source);
+    check_in_world({}, {gauge.at}, reach_of_works, scene, gauge.label, source);
     const House* const house = houses.at(gauge.at);
     if (!house && has_ground(scene.place->ground, gauge.at)) return;
     const std::string where = house ? "in the house " + house->label : "where the ground has no height";
     refuse_shape(source, gauge.label,
                  gauge.name + " at " + at_words(gauge.at.x, gauge.at.z) + " is " + where + ". Remedy: move it.");
+}
+
+// People of the table who stand on one another: outdoors by square metres, indoors by houses.
+void check_crowding(const Scene& scene, const HouseFinder& houses, const std::string& source) {
+    if (!scene.place->residents) return;
+    constexpr int most_outdoors = 10, most_indoors = 100'000;  // on a square metre; as /place/houses/*/residents
+    std::map<std::pair<std::int64_t, std::int64_t>, int> outdoors;
+    std::map<const House*, int> indoors;
+    for (const Resident& one : *scene.place->residents) {
+        const House* const house = houses.at({one.x, one.z});
+        const auto square = [](double v) { return static_cast<std::int64_t>(std::floor(std::clamp(v, -1e9, 1e9))); };
+        const int count = house ? ++indoors[house] : ++outdoors[{square(one.x), square(one.z)}];
+        if (count <= (house ? most_indoors : most_outdoors)) continue;
+        refuse(source, "/place/residents_csv",
+               "line " + std::to_string(one.line) + ": " + std::to_string(count) + " people stand " +
+                   (house ? "in the house " + house->label
+                          : "on one square metre outdoors, at " + at_words(one.x, one.z)) +
+                   "; allowed: " + std::to_string(house ? most_indoors : most_outdoors) + ".");
+    }
 }
 
 // The first agent of each group that starts in a wall or where there is no ground.
@@ -386,29 +377,28 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
     if (!scene.place) return;
     const Place& place = *scene.place;
     problems.attempt([&] { check_model(scene, source); });
-    if (place.ground.raster) {
-        const Raster& raster = *place.ground.raster;
-        problems.attempt([&] {
-            check_extent(scene, raster, source);
-            check_heights(scene, raster, source);
-            check_holes(scene, raster, source);
-        });
+    check_ground(scene, source, problems);
+    Work work;
+    bool all_well = true;
+    for (const House& house : place.houses) {
+        all_well = problems.attempt([&] { check_house(house, scene, source, work); }) && all_well;
     }
-    problems.attempt([&] { check_water_depth(scene, source); });
-    for (const House& house : place.houses) problems.attempt([&] { check_house(house, scene, source); });
+    if (!all_well) return;  // what follows looks for houses
+    if (!problems.attempt([&] { check_houses_beside(scene, source); })) return;
     const HouseFinder houses(scene);
-    for (const Source& made : place.sources) problems.attempt([&] { check_source(made, scene, houses, source); });
-    const auto check_shape = [&](const MapPolygon& polygon, const MapLine& line, const std::string& label) {
+    for (const Source& made : place.sources) problems.attempt([&] { check_source(made, scene, houses, source, work); });
+    const auto check_shape = [&](const MapPolygon& polygon, const MapLine& line, double reach,
+                                 const std::string& label) {
         problems.attempt([&] {
-            if (line.empty()) check_rings(polygon, label, source);
-            check_in_world(box_of(polygon, line), scene, label, source);
+            check_in_world(polygon, line, reach, scene, label, source);
+            if (line.empty()) check_rings(polygon, label, source, work);
         });
     };
-    for (const Outlet& outlet : place.outlets) check_shape(outlet.polygon, outlet.line, outlet.label);
-    for (const ManningZone& zone : place.roughness.zones) check_shape(zone.polygon, {}, zone.label);
+    for (const Outlet& outlet : place.outlets) check_shape(outlet.polygon, outlet.line, reach_of_works, outlet.label);
+    for (const ManningZone& zone : place.roughness.zones) check_shape(zone.polygon, {}, reach_of_areas, zone.label);
     for (const StandingWater& water : place.water)
-        if (!water.polygon.rings.empty()) check_shape(water.polygon, {}, water.label);
-    for (const Gate& gate : place.gates) check_shape({}, gate.line, gate.label);
+        if (!water.polygon.rings.empty()) check_shape(water.polygon, {}, reach_of_areas, water.label);
+    for (const Gate& gate : place.gates) check_shape({}, gate.line, reach_of_works, gate.label);
     std::set<std::string> names;
     for (const Gauge& gauge : place.gauges) {
         problems.attempt([&] {
@@ -417,7 +407,8 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
                 refuse_shape(source, gauge.label, gauge.name + " is the name of another gauge, too. Remedy: name it.");
         });
     }
-    for (const PlaceShelter& shelter : place.shelters) check_shape(shelter.polygon, {}, shelter.label);
+    for (const PlaceShelter& shelter : place.shelters) check_shape(shelter.polygon, {}, reach_of_works, shelter.label);
+    problems.attempt([&] { check_crowding(scene, houses, source); });
     check_starts_on_place(scene, houses, source, problems);
 }
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/map_system.hpp"
 #include "configs/files/text_file.hpp"
-#include "configs/json/json.hpp"
 
 namespace wade {
 
@@ -21,17 +21,22 @@ class JsonReader {
  public:
     JsonReader(const std::string& name, bool plan) : name_(name), plan_(plan) {}
 
-    MapFeatures read(const Json& document) {
+    MapFeatures read(Json document) {
         const std::string type = type_of(document);
-        read_system(document);
+        read_system(document, "");
         if (type == "FeatureCollection") {
-            const Json& features = document["features"];
-            if (!features.is_array()) fail("", "a FeatureCollection without features");
-            for (std::size_t i = 0; i < features.size(); ++i) add(features[i], i);
+            Json* const features = document.find("features");
+            if (!features || !features->is_array()) fail("", "a FeatureCollection without features.");
+            for (std::size_t i = 0; i < features->size(); ++i) {
+                add((*features)[i], i);
+                (*features)[i] = Json();  // read, so that its memory serves the next
+            }
         } else if (type == "Feature") {
             add(document, 0);
         } else {
-            add({{"type", "Feature"}, {"geometry", document}}, 0);
+            Json feature{{"type", "Feature"}};
+            feature["geometry"] = std::move(document);
+            add(feature, 0);
         }
         check_metres();
         return std::move(found_);
@@ -48,56 +53,77 @@ class JsonReader {
         return object["type"].get<std::string>();
     }
 
-    // {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32756"}}, of the edition of 2008 and of GDAL.
-    void read_system(const Json& document) {
-        const Json& text = document["crs"]["properties"]["name"];
-        if (!text.is_string()) return;
-        const auto name = text.get<std::string>();
-        if (name.find("CRS84") != std::string::npos)
-            fail("", "its coordinates are degrees (" + name + "); " + reproject_words());
-        const std::size_t colon = name.find_last_of(':');
-        int number = 0;
-        const char* const begin = name.data() + (colon == std::string::npos ? 0 : colon + 1);
-        const auto [end, error] = std::from_chars(begin, name.data() + name.size(), number);
-        if (error != std::errc() || end != name.data() + name.size()) return;
-        if (const std::string fault = fault_of_system(number); !fault.empty()) fail("", fault);
-        found_.epsg = number;
+    // The member crs of the GeoJSON of 2008 and of GDAL, also of a feature or geometry, and coordRefSys of JSON-FG:
+    // {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32756"}}, {"type": "EPSG", "properties": {"code": 32756}} or
+    // "http://www.opengis.net/def/crs/EPSG/0/32756".
+    void read_system(const Json& object, const std::string& feature) {
+        for (const char* const member : {"crs", "coordRefSys"}) {
+            const Json& system = object[member];
+            if (system.is_null()) continue;
+            const Json& code = system["properties"]["code"];
+            const bool is_number = system["type"] == "EPSG" && code.is_number_integer();
+            const Json& text = system.is_string() ? system : system["properties"]["name"];
+            const std::string name = is_number          ? "EPSG:" + code.dump()
+                                     : text.is_string() ? text.get<std::string>()
+                                                        : std::string();
+            if (name.find("CRS84") != std::string::npos)
+                fail(feature, "its coordinates are degrees (" + name + "); " + reproject_words());
+            const std::optional<int> number = epsg_of_name(name);
+            if (!number)
+                fail(feature, std::string(member) + " is " + shown(system) +
+                                  ", which gives no EPSG number of a system; " + reproject_words());
+            if (const std::string fault = fault_of_system(*number); !fault.empty()) fail(feature, fault);
+            if (found_.epsg && *found_.epsg != *number)
+                fail(feature, "it is in EPSG:" + std::to_string(*number) +
+                                  ", and the file in EPSG:" + std::to_string(*found_.epsg) + "; allowed: one system.");
+            found_.epsg = number;
+        }
     }
 
-    void add(const Json& feature, std::size_t i) {
+    void add(Json& feature, std::size_t i) {
         MapFeature made;
         made.label = "feature " + std::to_string(i);
         if (type_of(feature) != "Feature") fail(made.label, "its type is no \"Feature\".");
-        const Json& properties = feature["properties"];
-        if (properties.is_object()) take_properties(properties, made);
-        const Json& geometry = feature["geometry"];
+        read_system(feature, made.label);
+        if (Json* const properties = feature.find("properties"); properties && properties->is_object())
+            take_properties(*properties, made);
+        const Json& geometry = std::as_const(feature)["geometry"];
         if (geometry.is_null()) return;
         take_geometry(geometry, made);
         found_.features.push_back(std::move(made));
     }
 
-    void take_properties(const Json& properties, MapFeature& made) const {
-        for (const auto& [key, value] : properties.items()) {
-            if (value.is_number()) made.numbers[key] = value.get<double>();
-            if (value.is_string()) made.words[key] = value.get<std::string>();
+    void take_properties(Json& properties, MapFeature& made) const {
+        made.properties = std::move(properties);
+        const Json& name = std::as_const(made.properties)["name"];
+        if (name.is_string() && name.size() > 0) {
+            made.name = name.get<std::string>();
+            made.label += " (" + made.name.substr(0, 60) + ")";
         }
-        const auto name = made.words.find("name");
-        if (name != made.words.end() && !name->second.empty()) {
-            made.name = name->second;
-            made.label += " (" + made.name + ")";
-        }
-        const Json& doors = properties["doors"];
-        if (doors.is_array()) made.doors = line_of(doors, made);
+        const Json& doors = std::as_const(made.properties)["doors"];
+        if (doors.is_null()) return;
+        if (!doors.is_array())
+            fail(made.label, "doors: expected an array of points [easting, northing], found " + shown(doors) + " (" +
+                                 doors.type_name() + ").");
+        made.doors = line_of(doors, made);
     }
 
-    void take_geometry(const Json& geometry, MapFeature& made) const {
+    void take_geometry(const Json& geometry, MapFeature& made) {
+        read_system(geometry, made.label);
         const std::string type = type_of(geometry);
         const Json& coordinates = geometry["coordinates"];
         if (type == "Polygon") {
-            take_rings(coordinates, made);
+            made.polygon.rings = take_rings(coordinates, made);
         } else if (type == "MultiPolygon") {
             if (!coordinates.is_array()) fail(made.label, "a MultiPolygon without coordinates.");
-            for (const Json& polygon : coordinates) take_rings(polygon, made);
+            std::vector<MapPolygon> parts;
+            for (const Json& polygon : coordinates) {
+                parts.push_back({take_rings(polygon, made)});
+                check_beside_others(parts, made);
+            }
+            for (MapPolygon& part : parts) {
+                for (MapLine& ring : part.rings) made.polygon.rings.push_back(std::move(ring));
+            }
         } else if (type == "LineString") {
             made.line = line_of(coordinates, made);
         } else if (type == "MultiLineString" && coordinates.is_array() && coordinates.size() == 1) {
@@ -114,8 +140,9 @@ class JsonReader {
         if (made.polygon.rings.empty() && made.line.empty()) fail(made.label, "its geometry has no points.");
     }
 
-    void take_rings(const Json& rings, MapFeature& made) const {
+    [[nodiscard]] std::vector<MapLine> take_rings(const Json& rings, const MapFeature& made) {
         if (!rings.is_array()) fail(made.label, "a polygon without rings.");
+        std::vector<MapLine> found;
         for (const Json& points : rings) {
             MapLine ring = line_of(points, made);
             const auto same = [](const MapPoint& a, const MapPoint& b) { return a.x == b.x && a.z == b.z; };
@@ -124,9 +151,41 @@ class JsonReader {
             if (ring.size() < 3)
                 fail(made.label, "a ring with " + std::to_string(ring.size()) +
                                      " corners; allowed: at least 3. Remedy: take it out, or draw it anew.");
-            made.polygon.rings.push_back(std::move(ring));
+            found.push_back(std::move(ring));
+            if (found.size() > 1 && corners_in(found.back(), {{found.front()}}, made) == 0)
+                fail(made.label, "its hole " + std::to_string(found.size() - 1) +
+                                     " lies outside of its outline; allowed: inside. Remedy: " + make_valid);
+        }
+        return found;
+    }
+
+    void check_beside_others(const std::vector<MapPolygon>& parts, const MapFeature& made) {
+        const MapPolygon& last = parts.back();
+        for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
+            if (last.rings.empty() || parts[i].rings.empty()) continue;
+            if (corners_in(last.rings[0], parts[i], made) < looked_at(last.rings[0]) &&
+                corners_in(parts[i].rings[0], last, made) < looked_at(parts[i].rings[0]))
+                continue;
+            fail(made.label, "its parts " + std::to_string(i) + " and " + std::to_string(parts.size() - 1) +
+                                 " lie on one another; allowed: beside one another. Remedy: " + make_valid);
         }
     }
+
+    // How many of the first corners of a ring lie in a polygon; on an edge they may or may not. Rings that cross are found later.
+    [[nodiscard]] std::size_t corners_in(const MapLine& ring, const MapPolygon& polygon, const MapFeature& made) {
+        std::size_t edges = 1, count = 0;
+        for (const MapLine& outline : polygon.rings) edges += outline.size();
+        for (std::size_t k = 0; k < looked_at(ring); ++k) {
+            if (edges > work_left_)
+                fail(made.label,
+                     "it has too many parts or holes to be checked. Remedy: tools/wade place import, or "
+                     "ogr2ogr -explodecollections -simplify 0.1.");
+            work_left_ -= edges;
+            if (contains(polygon, ring[k])) ++count;
+        }
+        return count;
+    }
+    static std::size_t looked_at(const MapLine& ring) { return std::min<std::size_t>(ring.size(), 8); }
 
     [[nodiscard]] MapLine line_of(const Json& points, const MapFeature& made) const {
         if (!points.is_array()) fail(made.label, "its coordinates are no array of points.");
@@ -161,8 +220,11 @@ class JsonReader {
                  "it names no coordinate system (crs), and its coordinates look like degrees; " + reproject_words());
     }
 
+    static constexpr const char* make_valid = "tools/wade place import, or ogr2ogr -makevalid.";
+
     const std::string& name_;
     bool plan_;
+    std::size_t work_left_ = 200'000'000;  // comparisons of a point with an edge
     MapFeatures found_;
 };
 
@@ -170,7 +232,8 @@ class JsonReader {
 
 MapFeatures parse_geojson(std::string_view text, const std::string& name, bool plan) {
     try {
-        return JsonReader(name, plan).read(Json::parse(text));
+        const std::size_t most = std::max(std::size_t{2'000'000}, text.size() / 6);
+        return JsonReader(name, plan).read(Json::parse(text, {.unique_keys = true, .max_values = most}));
     } catch (const JsonError& error) {
         if (error.fault == JsonError::Fault::syntax)
             throw ConfigurationError(name + ": not valid JSON at byte " + std::to_string(error.byte) +
@@ -178,6 +241,12 @@ MapFeatures parse_geojson(std::string_view text, const std::string& name, bool p
         if (error.fault == JsonError::Fault::nesting)
             throw ConfigurationError(name + ": its arrays are nested more than " + std::to_string(Json::max_depth) +
                                      " deep.");
+        if (error.fault == JsonError::Fault::duplicate_key)
+            throw ConfigurationError(name + ": " + error.what() + "; allowed: once. Remedy: take one out.");
+        if (error.fault == JsonError::Fault::size)
+            throw ConfigurationError(name +
+                                     ": it has more values than coordinates of a map fill; allowed: up to one for 6 "
+                                     "bytes. Remedy: ogr2ogr -spat WEST SOUTH EAST NORTH keeps those of the site.");
         throw ConfigurationError(name + ": not valid JSON: a number is too large or a text is not UTF-8.");
     }
 }

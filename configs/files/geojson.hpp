@@ -1,14 +1,13 @@
 #pragma once
 // Polygons and lines with their properties (RFC 7946).
 
-#include <cstddef>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "configs/json/json.hpp"
 #include "configs/scene/place.hpp"
 
 namespace wade {
@@ -21,14 +20,8 @@ struct MapFeature {
     MapPolygon polygon;
     MapLine line;
     bool is_point = false;
-    std::map<std::string, double> numbers;     // its properties that are numbers
-    std::map<std::string, std::string> words;  // and those that are words
-    MapLine doors;                             // its property of this name, [[x, y], ...]
-
-    [[nodiscard]] std::optional<double> number(const std::string& property) const {
-        const auto found = numbers.find(property);
-        return found == numbers.end() ? std::nullopt : std::optional(found->second);
-    }
+    Json properties;  // an object or null
+    MapLine doors;    // its property of this name, [[x, y], ...]
 };
 
 struct MapFeatures {
@@ -37,7 +30,8 @@ struct MapFeatures {
 };
 
 // Features without a geometry are left out. Coordinates that look like degrees are refused, but not of a `plan`, whose metres
-// belong to no coordinate system. Throws ConfigurationError that names file, feature, value and remedy.
+// belong to no coordinate system. Keys that stand twice, holes outside of their outline and parts of a MultiPolygon in one another are
+// refused. Throws ConfigurationError that names file, feature, value and remedy.
 [[nodiscard]] MapFeatures read_geojson(const std::filesystem::path& file, bool plan = false);
 [[nodiscard]] MapFeatures parse_geojson(std::string_view text, const std::string& name, bool plan = false);
 

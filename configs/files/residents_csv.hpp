@@ -11,8 +11,8 @@
 namespace wade {
 
 // A table whose first line names its columns: x and y, m in the place's coordinate system, and any of id, age (years), sex (female,
-// male), height (m), mass (kg), skill, group and leaves_at (s). An empty cell sets nothing. Lines that begin with '#' are left out. Throws
-// ConfigurationError that names file, line, value and remedy.
+// male), height (m), mass (kg), skill, group and leaves_at (s), each with the limits of its key in a scene. An empty cell sets nothing,
+// but x and y are needed. Throws ConfigurationError that names file, line, value and remedy.
 [[nodiscard]] std::vector<Resident> read_residents(const std::filesystem::path& file);
 [[nodiscard]] std::vector<Resident> parse_residents(std::string_view text, const std::string& name);
 

@@ -28,6 +28,8 @@ std::string reason_of(const nlohmann::detail::exception& error) {
 // syntax further on is reported before these two, so the parser runs to the end of the text.
 class Builder {
  public:
+    explicit Builder(std::size_t max_values) : values_left_(max_values) {}
+
     bool null() { return add(nullptr); }
     bool boolean(bool value) { return add(value); }
     bool number_integer(std::int64_t value) { return add(value); }
@@ -43,6 +45,7 @@ class Builder {
         if (is_too_deep()) return true;
         Json& object = *open_.back();
         const std::size_t before = object.size();
+        count(2);
         member_ = &object[name];
         if (object.size() == before && !duplicate_) duplicate_ = name;
         return true;
@@ -66,6 +69,11 @@ class Builder {
     }
 
  private:
+    void count(std::size_t values) {
+        if (values > values_left_) throw JsonError(JsonError::Fault::size, "it has too many values");
+        values_left_ -= values;
+    }
+
     bool is_too_deep() {
         too_deep_ = too_deep_ || depth_ > Json::max_depth;
         return depth_ > Json::max_depth;
@@ -73,6 +81,7 @@ class Builder {
 
     bool add(Json value) {
         if (is_too_deep()) return true;
+        count(1);
         if (open_.empty()) {
             root_ = std::move(value);
             last_ = &root_;
@@ -106,6 +115,7 @@ class Builder {
     Json* member_ = nullptr;   // the value of the last key
     Json* last_ = nullptr;     // the last value that was added
     bool too_deep_ = false;
+    std::size_t values_left_;
     std::optional<std::string> duplicate_;  // the first
 };
 
@@ -242,7 +252,7 @@ Json& Json::operator=(Json&& other) noexcept = default;
 Json::~Json() = default;
 
 Json Json::parse(std::string_view text, const JsonSyntax& syntax) {
-    Builder builder;
+    Builder builder(syntax.max_values);
     Library::sax_parse(text.begin(), text.end(), &builder, Library::input_format_t::json, /*strict=*/true,
                        syntax.comments);
     return builder.finish(syntax);

@@ -23,7 +23,7 @@ using JsonMember = std::pair<std::string, Json>;
 // Why a text is refused, or a value cannot be used as asked. what() is a sentence without its full stop.
 class JsonError : public std::runtime_error {
  public:
-    enum class Fault { syntax, number, nesting, duplicate_key, use };
+    enum class Fault { syntax, number, nesting, duplicate_key, size, use };
 
     JsonError(Fault its_fault, const std::string& reason, std::size_t at = 0)
         : std::runtime_error(reason), fault(its_fault), byte(at) {}
@@ -36,6 +36,7 @@ class JsonError : public std::runtime_error {
 struct JsonSyntax {
     bool comments = false;     // allows // and /* */
     bool unique_keys = false;  // refuses a key that stands twice in one object; otherwise the last value counts
+    std::size_t max_values = std::size_t(-1);  // refuses a text with more; a member of an object counts as three
 };
 
 // How a value is printed.

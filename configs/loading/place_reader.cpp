@@ -1,8 +1,11 @@
 #include "configs/loading/place_reader.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
-#include <limits>
+#include <cstdint>
+#include <initializer_list>
 #include <memory>
 #include <utility>
 
@@ -14,8 +17,10 @@
 #include "configs/files/series_csv.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/crowd.hpp"
+#include "configs/scene/fields/lists.hpp"
 #include "configs/scene/fields/residents.hpp"
 #include "configs/scene/fluid.hpp"
+#include "configs/scene/keys.hpp"
 #include "configs/scene/world.hpp"
 
 namespace wade {
@@ -30,20 +35,72 @@ struct Shape {
     std::string label;   // where it stands
 };
 
+const Key& key_of_place(std::string_view list, std::string_view name) {
+    return scene_keys().find("place")->find(list)->find(name)->key;
+}
+
+// Sets those keys of a struct that stand as properties of a feature and are among the names, held to the types and limits of the keys.
+class PropertyReader : public Fields {
+ public:
+    PropertyReader(const MapFeature& feature, std::initializer_list<std::string_view> names)
+        : feature_(feature), names_(names) {}
+
+ private:
+    void visit(const Key& key, const Member& member) override {
+        const Json& value = feature_.properties[key.name];
+        if (value.is_null() || std::find(names_.begin(), names_.end(), key.name) == names_.end()) return;
+        if (const std::string fault = fault_in_file(value, key); !fault.empty())
+            throw ConfigurationError(feature_.label + ": " + std::string(key.name) + ": " + fault);
+        member.set(key_value(value, key));
+    }
+    void visit_object(const Key&, const std::function<void()>&) override {}
+    void visit_optional(const Key&, const OptionalMember&) override {}
+    void visit_list(const Key&, const ListMember&) override {}
+
+    const MapFeature& feature_;
+    std::initializer_list<std::string_view> names_;
+};
+
+// The keys of a shape: those of the scene, over which the properties of its feature stand.
+template <typename Keys>
+Keys keys_of_shape(const Shape& shape, const Keys& of_scene, std::initializer_list<std::string_view> names) {
+    Keys keys = of_scene;
+    PropertyReader reader(shape.feature, names);
+    fields(keys, reader);
+    return keys;
+}
+
+// Heights as other programs and OpenStreetMap name them, which only the importer reads.
+void refuse_heights_of_others(const MapFeature& house) {
+    if (!house.properties.is_object() || house.properties.contains("height_m")) return;
+    constexpr std::array<std::string_view, 6> others{"height", "building:height", "building_height",
+                                                     "levels", "building:levels", "building_levels"};
+    for (const auto& [name, value] : house.properties.items()) {
+        std::string lower = name;
+        for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        const bool is_no_house = lower == "building" && value == "no";
+        if (value.is_null() || (!is_no_house && std::find(others.begin(), others.end(), lower) == others.end()))
+            continue;
+        throw ConfigurationError(house.label + ": it has \"" + name + "\" and no height_m; allowed: height_m, in m. " +
+                                 import_words());
+    }
+}
+
 class PlaceReader {
  public:
     PlaceReader(const PlaceKeys& keys, const std::string& source, Problems& problems)
         : keys_(keys), source_(source), problems_(problems) {}
 
-    Place read() {
+    Place read(const World& world) {
         take("/ground", [&] { read_ground(); });
         if (!problems_.none()) return std::move(place_);  // without an origin nothing has a place
+        find_heights(world.length, world.width);
         each("/houses", keys_.houses, [&](const auto& key, const auto& pointer) { read_houses(key, pointer); });
         take("/manning", [&] { read_manning(); });
         each("/sources", keys_.sources, [&](const auto& key, const auto& pointer) { read_sources(key, pointer); });
         take("/rain", [&] {
-            place_.rain =
-                series("/rain", keys_.rain.rate, "rate_mm_h", keys_.rain.table, "rate_csv", "rate_mm_h", 0, false);
+            place_.rain = series("/rain", keys_.rain.rate, keys_.rain.table, "rate_csv",
+                                 key_of_place("rain", "rate_mm_h"), false);
         });
         each("/outlets", keys_.outlets, [&](const auto& key, const auto& pointer) { read_outlets(key, pointer); });
         each("/gates", keys_.gates, [&](const auto& key, const auto& pointer) { read_gates(key, pointer); });
@@ -58,6 +115,7 @@ class PlaceReader {
         take("/residents_csv", [&] {
             if (keys_.residents) read_residents_of_table(*keys_.residents);
         });
+        take("/houses", [&] { check_count(); });
         return std::move(place_);
     }
 
@@ -204,45 +262,73 @@ class PlaceReader {
         }
     }
 
-    // A property of the feature, or the value of the key.
-    double property(const Shape& shape, const std::string& name, double otherwise, double least, double most) const {
-        const auto value = shape.feature.number(name);
-        if (!value && shape.feature.words.count(name) > 0)
-            throw ConfigurationError(shape.feature.label + ": " + name + " is \"" + shape.feature.words.at(name) +
-                                     "\"; allowed: a number.");
-        if (!value) return otherwise;
-        if (*value >= least && *value <= most) return *value;
-        throw ConfigurationError(shape.feature.label + ": " + name + " is " + std::to_string(*value) +
-                                 "; allowed: " + std::to_string(least) + " to " + std::to_string(most) + ".");
-    }
-    static std::string name_of_shape(const Shape& shape, const std::string& otherwise) {
-        return shape.feature.name.empty() ? otherwise : shape.feature.name;
+    // A constant or a table of values of the key; `needed`: one of them has to be there.
+    Series series(const std::string& pointer, const std::optional<double>& constant,
+                  const std::optional<std::string>& file, const std::string& file_key, const Key& key,
+                  bool needed) const {
+        if ((constant && file) || (needed && !constant && !file))
+            fail(pointer, std::string(constant ? "both " : "neither ") + std::string(key.name) +
+                              (constant ? " and " : " nor ") + file_key + " is set; allowed: one of them.");
+        if (constant && !key.range.contains(*constant))
+            fail(pointer + "/" + std::string(key.name), fault_of_value(*constant, key));
+        if (constant) return {{0, *constant}};
+        return file ? read_series(*file, key) : Series{};
     }
 
-    // A constant or a table; `needed`: one of them has to be there.
-    Series series(const std::string& pointer, const std::optional<double>& constant, const std::string& constant_key,
-                  const std::optional<std::string>& file, const std::string& file_key, const std::string& column,
-                  double least, bool needed, double most = std::numeric_limits<double>::infinity()) const {
-        if ((constant && file) || (needed && !constant && !file))
-            fail(pointer, std::string(constant ? "both " : "neither ") + constant_key + (constant ? " and " : " nor ") +
-                              file_key + " is set; allowed: one of them.");
-        if (constant) return {{0, *constant}};
-        return file ? read_series(*file, column, least, most) : Series{};
+    // The key of a water level, held to the heights of the site's ground as well.
+    [[nodiscard]] Key level_key(std::string_view list) const {
+        constexpr double reach = 100;  // [A] m; no site's water stands farther above its ground, or ends farther below
+        Key key = key_of_place(list, "level_m");
+        key.range.lo = std::max(key.range.lo, std::floor(lowest_ - reach));
+        key.range.hi = std::min(key.range.hi, std::ceil(highest_ + reach));
+        return key;
+    }
+    void check_level(double level, const std::string& label) const {
+        if (const std::string fault = fault_of_value(level, level_key("water")); !fault.empty())
+            throw ConfigurationError(source_ + ": " + label + ": level_m: " + fault);
+    }
+
+    void find_heights(double length, double width) {
+        const Ground& ground = place_.ground;
+        lowest_ = INFINITY, highest_ = -INFINITY;
+        const auto take_height = [&](double y) {
+            if (!(std::abs(y) < 1e5)) return;
+            lowest_ = std::min(lowest_, y);
+            highest_ = std::max(highest_, y);
+        };
+        if (ground.raster) {
+            for (const double y : ground.raster->values) take_height(y);
+        } else if (!ground.points.empty()) {
+            for (const auto& point : ground.points) take_height(point[1]);
+        } else {
+            for (const double x : {0.0, length}) {
+                for (const double z : {0.0, width}) take_height(ground_height(ground, {x, z}));
+            }
+        }
     }
 
     void read_houses(const HouseKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
+            refuse_heights_of_others(shape.feature);
+            const HouseKeys own = keys_of_shape(shape, key, {"name", "height_m", "residents", "upper_floor_m"});
             House house;
-            house.name = name_of_shape(shape, key.name);
+            house.name = own.name;
             house.label = shape.label;
-            house.height = property(shape, "height_m", key.height, 0.01, 1000);
-            house.residents = static_cast<int>(property(shape, "residents", key.residents, 0, 100000));
-            if (key.upper_floor) house.upper_floor = *key.upper_floor;
-            house.upper_floor = property(shape, "upper_floor_m", house.upper_floor, 0.01, 1000);
+            house.height = own.height;
+            house.residents = own.residents;
+            if (own.upper_floor) house.upper_floor = *own.upper_floor;
             house.doors = shape.feature.doors.empty() ? key.doors : shape.feature.doors;
             house.polygon = std::move(shape.polygon);
             place_.houses.push_back(std::move(house));
         }
+    }
+
+    void check_count() const {
+        constexpr std::int64_t most = 1'000'000;  // as of a group's grid
+        std::int64_t count = place_.residents ? static_cast<std::int64_t>(place_.residents->size()) : 0;
+        for (const House& house : place_.houses) count += house.residents;
+        if (count > most)
+            fail("/houses", std::to_string(count) + " people live there; allowed: up to " + std::to_string(most) + ".");
     }
 
     void read_manning() {
@@ -258,23 +344,23 @@ class PlaceReader {
             }
         }
         each("/manning/zones", keys_.manning.zones, [&](const ZoneKeys& key, const std::string& pointer) {
-            for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false))
-                roughness.zones.push_back({std::move(shape.polygon), property(shape, "n", key.n, 0, 1), shape.label});
+            for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
+                const double n = keys_of_shape(shape, key, {"n"}).n;
+                roughness.zones.push_back({std::move(shape.polygon), n, shape.label});
+            }
         });
     }
 
     void read_sources(const SourceKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, key.line, true, true)) {
+            SourceKeys own = keys_of_shape(shape, key, {"name", "discharge_m3_s"});
+            const bool is_property = !std::as_const(shape.feature.properties)["discharge_m3_s"].is_null();
+            if (is_property) own.hydrograph.reset();
             Source made;
-            made.name = name_of_shape(shape, key.name);
+            made.name = own.name;
             made.label = shape.label;
-            constexpr double most = 1e6;
-            if (shape.feature.number("discharge_m3_s") || shape.feature.words.count("discharge_m3_s") > 0) {
-                made.discharge = {{0, property(shape, "discharge_m3_s", 0, 0, most)}};
-            } else {
-                made.discharge = series(pointer, key.discharge, "discharge_m3_s", key.hydrograph, "hydrograph_csv",
-                                        "discharge_m3_s", 0, true);
-            }
+            made.discharge = series(pointer, own.discharge, own.hydrograph, "hydrograph_csv",
+                                    key_of_place("sources", "discharge_m3_s"), true);
             made.polygon = std::move(shape.polygon);
             made.line = std::move(shape.line);
             place_.sources.push_back(std::move(made));
@@ -289,34 +375,34 @@ class PlaceReader {
                 "level_m and stage_csv have no effect on a free outlet; allowed: none, or kind \"stage\" or \"wave\".");
         for (Shape& shape : shapes(pointer, key.file, key.polygon, key.line, true, true)) {
             Outlet outlet;
-            outlet.name = name_of_shape(shape, key.name);
+            outlet.name = keys_of_shape(shape, key, {"name"}).name;
             outlet.label = shape.label;
             outlet.kind = key.kind;
             outlet.polygon = std::move(shape.polygon);
             outlet.line = std::move(shape.line);
-            constexpr double least = -1000, most = 9000;  // m, those of level_m
-            if (given)
-                outlet.stage =
-                    series(pointer, key.level, "level_m", key.stage, "stage_csv", "level_m", least, true, most);
+            if (given) outlet.stage = series(pointer, key.level, key.stage, "stage_csv", level_key("outlets"), true);
             place_.outlets.push_back(std::move(outlet));
         }
     }
 
     void read_gates(const GateKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, {}, key.line, false, true)) {
-            const double opens_at = property(shape, "opens_at_s", key.opens_at, 0, 1e6);
-            place_.gates.push_back({name_of_shape(shape, key.name), std::move(shape.line), opens_at, shape.label});
+            const GateKeys own = keys_of_shape(shape, key, {"name", "opens_at_s"});
+            place_.gates.push_back({own.name, std::move(shape.line), own.opens_at, shape.label});
         }
     }
 
     void read_water(const WaterKeys& key, const std::string& pointer) {
         if (!key.file && key.polygon.empty()) {
+            check_level(key.level, "/place" + pointer);
             place_.water.push_back({{}, key.level, "/place" + pointer});
             return;
         }
-        for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false))
-            place_.water.push_back(
-                {std::move(shape.polygon), property(shape, "level_m", key.level, -1000, 10000), shape.label});
+        for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
+            const double level = keys_of_shape(shape, key, {"level_m"}).level;
+            check_level(level, shape.label);
+            place_.water.push_back({std::move(shape.polygon), level, shape.label});
+        }
     }
 
     void read_gauges(const GaugeKeys& key, const std::string& pointer) {
@@ -347,15 +433,15 @@ class PlaceReader {
 
     void read_shelters(const ShelterKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, key.polygon, {}, true, false)) {
-            const auto capacity = static_cast<int>(property(shape, "capacity", key.capacity, 0, 1e7));
-            place_.shelters.push_back(
-                {name_of_shape(shape, key.name), std::move(shape.polygon), capacity, shape.label, key.is_exit});
+            const ShelterKeys own = keys_of_shape(shape, key, {"name", "capacity"});
+            place_.shelters.push_back({own.name, std::move(shape.polygon), own.capacity, shape.label, key.is_exit});
         }
     }
 
     const PlaceKeys& keys_;
     const std::string& source_;
     Problems& problems_;
+    double lowest_ = 0, highest_ = 0;  // of the ground, m
     Place place_;
 };
 
@@ -363,7 +449,7 @@ class PlaceReader {
 
 void read_place(Scene& scene, const SetByScene& set, const std::string& source, Problems& problems) {
     if (!scene.place_keys) return;
-    scene.place = PlaceReader(*scene.place_keys, source, problems).read();
+    scene.place = PlaceReader(*scene.place_keys, source, problems).read(*scene.world);
     // What its files say is printed, too.
     scene.place_keys->epsg = scene.place->epsg;
     scene.place_keys->origin_x = scene.place->origin_x;

@@ -1,6 +1,7 @@
 #include "configs/scene/keys.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "configs/errors/nearest_name.hpp"
@@ -263,8 +264,7 @@ void note_missing_key(const KeyNode& node, const std::string& pointer, const Rea
 void check_keys(const Json& value, const KeyNode& node, const std::string& pointer, const Reading& reading) {
     const Key& key = node.key;
     if (!has_type(value, key.kind)) {
-        reading.problems.note(location(reading.source, pointer) + ": expected " + type_words(key) + ", found " +
-                              shown(value) + " (" + value.type_name() + ").");
+        reading.problems.note(location(reading.source, pointer) + ": " + fault_of_value(value, key));
     } else if (value.is_object()) {
         for (const JsonMember* const item : value.sorted_items()) {
             const auto& [name, member] = *item;
@@ -282,6 +282,30 @@ void check_keys(const Json& value, const KeyNode& node, const std::string& point
     } else if (const std::string fault = fault_of(value, key); !fault.empty()) {
         reading.problems.note(location(reading.source, pointer) + ": " + fault);
     }
+}
+
+std::string fault_of_value(const Json& value, const Key& key) {
+    if (has_type(value, key.kind)) return fault_of(value, key);
+    return "expected " + type_words(key) + ", found " + shown(value) + " (" + value.type_name() + ").";
+}
+
+std::string fault_in_file(const Json& value, const Key& key) {
+    const std::string fault = fault_of_value(value, key);
+    const bool is_number = key.kind == KeyKind::number || key.kind == KeyKind::whole;
+    if (fault.empty() || !is_number || !value.is_string()) return fault;
+    return fault + " Remedy: the number alone, " + (key.unit.empty() ? "" : "in " + std::string(key.unit) + ", ") +
+           "with a decimal point, without quotes and unit; allowed: " + allowed_values(key) + ".";
+}
+
+Json value_of_cell(const std::string& cell, const Key& key) {
+    if (key.kind == KeyKind::text || key.kind == KeyKind::choice) return cell;
+    if (cell == "true" || cell == "false") return cell == "true";
+    double number = 0;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), number);
+    const bool is_number = error == std::errc() && end == cell.data() + cell.size() && std::isfinite(number);
+    if (!is_number) return cell;
+    const bool is_whole_number = std::trunc(number) == number && std::abs(number) < 1e15;
+    return is_whole_number ? Json(static_cast<std::int64_t>(number)) : Json(number);
 }
 
 KeyValue key_value(const Json& value, const Key& key) {

@@ -33,6 +33,15 @@ struct Reading {
 // says. Required keys may be missing: a file that another extends, or that extends another, is only a part of a scene.
 void check_keys(const Json& value, const KeyNode& node, const std::string& pointer, const Reading& reading);
 
+// Returns what is wrong with the type or the value of a key that is no object and no list; empty if nothing is.
+[[nodiscard]] std::string fault_of_value(const Json& value, const Key& key);
+
+// The same for a value of a file of others: a table (csv) or a property of GeoJSON. A text in place of a number comes with its remedy.
+[[nodiscard]] std::string fault_in_file(const Json& value, const Key& key);
+
+// Returns a cell of a table as the value that it would be in a scene, for fault_in_file.
+[[nodiscard]] Json value_of_cell(const std::string& cell, const Key& key);
+
 // Notes that `key` is not known in the object at `pointer`, and what may have been meant: a key of this object, first
 // those that `present` has not set, or else one that stands elsewhere.
 void note_unknown_key(const Json& present, const KeyNode& node, const std::string& key, const std::string& pointer,

@@ -7,6 +7,7 @@ namespace wade {
 namespace {
 
 const Range on_map = from(-1e6).to(1e6);
+const Range level_range = from(-500).to(9000);  // the Dead Sea's shore, Mount Everest
 
 void polygon_field(Fields& f, MapLine& polygon, std::string_view what) {
     f.points("polygon", polygon, "m", on_map, what);
@@ -29,7 +30,7 @@ void fields(GroundKeys& ground, Fields& f) {
     f.path("file", ground.file,
            "Raster of heights: GeoTIFF (.tif) or ESRI ASCII (.asc), metres, square cells. gdalwarp makes one of any "
            "other.");
-    f.number("level_m", ground.level, "m", from(-1000).to(10000), "Height of a plane at the scene's origin.");
+    f.number("level_m", ground.level, "m", level_range, "Height of a plane at the scene's origin.");
     f.number("slope_x", ground.slope_x, "", from(-10).to(10), "Rise of the plane along x, metres a metre.");
     f.number("slope_z", ground.slope_z, "", from(-10).to(10), "Rise of the plane along z, metres a metre.");
     f.points("points", ground.points, "m", on_map,
@@ -92,7 +93,7 @@ void fields(OutletKeys& outlet, Fields& f) {
     f.path("file", outlet.file, shapes_file);
     polygon_field(f, outlet.polygon, corners_or_line);
     line_field(f, outlet.line, "Along these points, at least two, or else polygon or file.");
-    f.number("level_m", outlet.level, "m", from(-1000).to(9000),
+    f.number("level_m", outlet.level, "m", level_range,
              "Constant level of a stage; of a wave: the level at rest, without an incoming wave.",
              otherwise("what stage_csv says"));
     f.path("stage_csv", outlet.stage, "Table with the columns time_s and level_m, of a stage or of an incoming wave.");
@@ -108,7 +109,7 @@ void fields(GateKeys& gate, Fields& f) {
 void fields(WaterKeys& water, Fields& f) {
     f.path("file", water.file, polygons_file);
     polygon_field(f, water.polygon, "Its corners in order, at least three, or else file; neither: everywhere.");
-    f.number("level_m", water.level, "m", from(-1000).to(10000), "Height of the surface; ground above it is dry.");
+    f.number("level_m", water.level, "m", level_range, "Height of the surface; ground above it is dry.");
 }
 
 void fields(GaugeKeys& gauge, Fields& f) {

@@ -157,21 +157,21 @@ TEST_CASE("people come from a table beside the scene, and a bad line is named wi
     CHECK(wade::load_scene_text(loaded.canonical_json, "elsewhere.json").canonical_json == loaded.canonical_json);
 
     CHECK_THAT(refused("height_m\n1.7\n5\n"),
-               Contains("people.csv, line 3: /height_m: 5 is out of range; allowed: >= 0.5"));
-    CHECK_THAT(refused("height_m\ntall\n"), Contains("people.csv, line 2: /height_m") && Contains("\"tall\""));
-    CHECK_THAT(refused("skill\nbrave\n"), Contains("people.csv, line 2: /skill: \"brave\" is not allowed"));
-    CHECK_THAT(refused("height\n1.7\n"), Contains("people.csv, line 2: /height: unknown key") && Contains("height_m"));
-    CHECK_THAT(refused("height_m,mass_kg\n1.7\n"), Contains("people.csv, line 2: there are 1 values; allowed: 2"));
+               Contains("people.csv: line 3: /height_m: 5 is out of range; allowed: >= 0.5"));
+    CHECK_THAT(refused("height_m\ntall\n"), Contains("people.csv: line 2: /height_m") && Contains("\"tall\""));
+    CHECK_THAT(refused("skill\nbrave\n"), Contains("people.csv: line 2: /skill: \"brave\" is not allowed"));
+    CHECK_THAT(refused("height\n1.7\n"), Contains("people.csv: line 2: /height: unknown key") && Contains("height_m"));
+    CHECK_THAT(refused("height_m,mass_kg\n1.7\n"), Contains("people.csv: line 2: 1 values; allowed: 2"));
     CHECK_THAT(refused("height_m,mass_kg\n1.7,5\n"),
-               Contains("people.csv, line 2: /mass_kg: 5 kg with a height of 1.7 m"));
+               Contains("people.csv: line 2: /mass_kg: 5 kg with a height of 1.7 m"));
     CHECK_THAT(refused("height_m\n"), Contains("people.csv: there are no people"));
     const auto with_tau = load("height_m,tau_history\n1.7,0:0.2 5:0.8\n1.8,\n", "paper").scene.crowd->people;
     CHECK((with_tau.at(0).tau_history.at(1).time == 5 && with_tau.at(0).tau_history.at(1).tau == 0.8));
     CHECK(with_tau.at(1).tau_history.empty());
     CHECK_THAT(refused("tau_history\n0:0.2 3:1.5\n"),
-               Contains("people.csv, line 2: /tau_history/1/tau: 1.5 is out of range"));
+               Contains("people.csv: line 2: /tau_history/1/tau: 1.5 is out of range"));
     CHECK_THAT(refused("tau_history\n0:0.2 3\n"),
-               Contains("people.csv, line 2: /tau_history: expected an array, found \"0:0.2 3\""));
+               Contains("people.csv: line 2: /tau_history: expected an array, found \"0:0.2 3\""));
     CHECK_THAT(refused("tau_history\n3:0.2 2:1\n"), Contains("/crowd/people/0/tau_history/1/time_s: 2 s is earlier"));
     CHECK_THAT(refusal(R"({"crowd": {"people_csv": "none.csv"}})", {}),
                Contains("/crowd/people_csv: the file none.csv cannot be read"));

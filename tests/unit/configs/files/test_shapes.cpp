@@ -32,9 +32,11 @@ std::string refusal_of_shapes(const std::string& text) {
     return "";
 }
 
+const Key discharge{"discharge_m3_s", KeyKind::number, "", "m3/s", from(0).to(1e6)};
+
 std::string refusal_of_series(const std::string& text) {
     try {
-        static_cast<void>(parse_series(text, "q.csv", "discharge_m3_s", 0));
+        static_cast<void>(parse_series(text, "q.csv", discharge));
     } catch (const ConfigurationError& error) {
         return error.what();
     }
@@ -56,8 +58,8 @@ TEST_CASE("GeoJSON: rings without the point that closes them, properties, system
     REQUIRE(file.features.size() == 2);
     const wade::MapFeature& mill = file.features[0];
     CHECK(mill.name == "mill");
-    CHECK(mill.number("height_m") == 7.5);
-    CHECK_FALSE(mill.number("residents"));
+    CHECK(mill.properties["height_m"] == 7.5);
+    CHECK_FALSE(mill.properties.contains("residents"));
     REQUIRE(mill.polygon.rings.size() == 2);
     CHECK((mill.polygon.rings[0].size() == 3 && mill.polygon.rings[1].size() == 3 && mill.doors.size() == 1));
     CHECK(contains(mill.polygon, {382269, 6354272}));
@@ -85,17 +87,18 @@ TEST_CASE("what is wrong with a GeoJSON is named with its feature and a remedy")
 
 TEST_CASE("a series: columns by name, comments, jumps; any name of the second of two columns") {
     const wade::Series q = wade::parse_series(
-        "# of 2007\r\ntime_s, other, discharge_m3_s\r\n0,9,1.5\r\n60,9,2\r\n60,9,3\r\n", "q.csv", "discharge_m3_s", 0);
+        "# of 2007\r\ntime_s, other, discharge_m3_s\r\n0,9,1.5\r\n60,9,2\r\n60,9,3\r\n", "q.csv", discharge);
     REQUIRE(q.size() == 3);
     CHECK((q[0].value == 1.5 && q[1].time == 60 && q[2].value == 3));
-    CHECK(wade::parse_series("q,time_s\n4,0\n", "q.csv", "discharge_m3_s", 0).front().value == 4);
+    CHECK(wade::parse_series("q,time_s\n4,0\n", "q.csv", discharge).front().value == 4);
 }
 
 TEST_CASE("marks of missing data and values out of range in a series are refused with file and line") {
     const auto refusal = [](const std::string& level) {
         try {
-            static_cast<void>(wade::parse_series("time_s,level_m\n0,1\n60," + level + "\n120,1\n", "tide.csv",
-                                                 "level_m", -1000, 9000));
+            static_cast<void>(
+                wade::parse_series("time_s,level_m\n0,1\n60," + level + "\n120,1\n", "tide.csv",
+                                   {"level_m", wade::KeyKind::number, "", "m", wade::from(-1000).to(9000)}));
         } catch (const wade::ConfigurationError& error) {
             return std::string(error.what());
         }
@@ -105,10 +108,11 @@ TEST_CASE("marks of missing data and values out of range in a series are refused
         CHECK_THAT(refusal(mark), Contains("tide.csv: line 3: level_m is -") && Contains("(no data)"));
     }
     for (const std::string beyond : {"-1000.5", "9999", "1e6", "1e300"}) {
-        CHECK_THAT(refusal(beyond), Contains("tide.csv: line 3: level_m is ") && Contains("allowed: -1000 to 9000."));
+        CHECK_THAT(refusal(beyond),
+                   Contains("tide.csv: line 3: level_m: ") && Contains("allowed: >= -1000 and <= 9000 m."));
     }
     for (const std::string word : {"nan", "inf", "", "NA"}) {
-        CHECK_THAT(refusal(word), Contains("tide.csv: line 3: level_m is \""));
+        CHECK_THAT(refusal(word), Contains("tide.csv: line 3: level_m") && Contains("a number"));
     }
     CHECK(refusal("-10") == "");
     CHECK_THAT(refusal_of_series("time_s,discharge_m3_s\n0,-9999\n"),
@@ -119,13 +123,14 @@ TEST_CASE("what is wrong with a series is named with its line and a remedy") {
     const std::string head = "time_s,discharge_m3_s\n";
     CHECK_THAT(refusal_of_series(head + "0,1\n60,2\n30,3\n"),
                Contains("q.csv: line 4: time_s goes back from 60 to 30 s"));
-    CHECK_THAT(refusal_of_series(head + "0,-1\n"), Contains("line 2: discharge_m3_s is -1; allowed: >= 0"));
-    CHECK_THAT(refusal_of_series(head + "0,nan\n"), Contains("allowed: a number"));
+    CHECK_THAT(refusal_of_series(head + "0,-1\n"),
+               Contains("line 2: discharge_m3_s: -1 is out of range; allowed: >= 0 and <= 1000000 m3/s"));
+    CHECK_THAT(refusal_of_series(head + "0,nan\n"), Contains("expected a number, found \"nan\""));
     CHECK_THAT(refusal_of_series(head + "0\n"), Contains("1 values; allowed: 2"));
     CHECK_THAT(refusal_of_series("t,q\n0,1\n"),
                Contains("its columns are t, q; allowed: a first line that names time_s "));
     CHECK_THAT(refusal_of_series("time_s,discharge_l_s\n0,1\n"), Contains("its columns are time_s, discharge_l_s"));
-    CHECK_THAT(refusal_of_series("time_s;discharge_m3_s\n0;1\n"), Contains("with commas between columns"));
+    CHECK_THAT(refusal_of_series("time_s;discharge_m3_s\n0;1\n"), Contains("its columns stand between semicolons"));
     CHECK_THAT(refusal_of_series(head), Contains("there are no rows"));
 }
 
@@ -152,8 +157,10 @@ TEST_CASE("residents are read by the names of their columns, and what is wrong i
     CHECK_THAT(refused("id,x\n"), Contains("p.csv: line 1: there is no column y"));
     CHECK_THAT(refused("x,y,name\n"), Contains("there is no column \"name\"; allowed: id, x, y"));
     CHECK_THAT(refused("x,y\n1\n"), Contains("line 2: 1 values; allowed: 2"));
-    CHECK_THAT(refused("x,y,age\n1,2,two\n"), Contains("age is \"two\"; allowed: a number >= 3 and <= 110"));
-    CHECK_THAT(refused("x,y,sex\n1,2,f\n"), Contains("sex is \"f\"; allowed: any, female, male"));
+    CHECK_THAT(refused("x,y,age\n1,2,two\n"), Contains("line 2: age: expected a number, found \"two\" (string)") &&
+                                                  Contains("allowed: >= 3 and <= 110"));
+    CHECK_THAT(refused("x,y,sex\n1,2,f\n"),
+               Contains("sex: \"f\" is not allowed; allowed: \"any\", \"female\", \"male\""));
     CHECK_THAT(refused("id,x,y\na,1,2\na,1,2\n"), Contains("line 3: id \"a\" stands twice"));
     CHECK_THAT(refused("x,y\n"), Contains("there are no people"));
 }

@@ -229,5 +229,6 @@ TEST_CASE("what does not go together on a place is named with key, file and reme
     other["features"][1]["properties"]["height_m"] = "tall";
     other.erase("crs");
     folder.folder.write("other.geojson", other.dump());
-    CHECK_THAT(refused(R"("houses": [{"file": "other.geojson"}])"), Contains("feature 1: height_m is \"tall\""));
+    CHECK_THAT(refused(R"("houses": [{"file": "other.geojson"}])"),
+               Contains("feature 1: height_m: expected a number, found \"tall\" (string). Remedy: the number alone"));
 }
