@@ -133,6 +133,12 @@ class Configure(unittest.TestCase):
         if shown:
             self.assertIn("no viewer beside the run: npm is installed but fails with exit code 127", said)
         self.assertIn("run folder", said)
+        self.file("modules/matplotlib/__init__.py", "raise ImportError('libpng is missing')\n")
+        environment["PYTHONPATH"] = f"{self.folder}/modules:{environment.get('PYTHONPATH', '')}"
+        said = said_by(0, *module_command("wade.run.pair"), SMALL, "--until-s", "1", "--out", self.folder / "drawn")
+        self.assertIn("no picture: ImportError: libpng is missing", said)
+        self.assertNotIn("Traceback", said)
+        environment["PYTHONPATH"] = os.environ.get("PYTHONPATH", "")
         self.assertIn("skipped, spin", said_by(77, model, "--quick"))
         for code, word, *command in ((2, "gdalinfo", "wade.place", "import", grid, "--out", self.folder / "place"),
                                      (2, "blender", "wade.pictures.render", run, "--time", "0"),

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from wade import UsageError
+from wade.export import body, surfaces
 from wade.export.sources import Points, Thinning
 from wade.pictures import figure, film, render, run_files, texts, top_view
 
@@ -323,38 +324,40 @@ class Groups(unittest.TestCase):
 class Rendered(unittest.TestCase):
     """What Blender is given; Blender itself is run by system_render."""
 
-    def edges(self, quads):
-        return [(int(a), int(b)) for quad in quads for a, b in zip(quad, np.roll(quad, -1))]
+    def edges(self, triangles):
+        return [(int(a), int(b)) for triangle in triangles for a, b in zip(triangle, np.roll(triangle, -1))]
 
-    def volume_within(self, points, quads):
+    def volume_within(self, points, triangles):
         """By the divergence theorem, m3; above 0 if the faces look outwards."""
-        corners = points[quads]
-        pairs = ((corners[:, 0], corners[:, i], corners[:, i + 1]) for i in (1, 2))
-        return sum(float(np.sum(a * np.cross(b, c))) / 6 for a, b, c in pairs)
+        a, b, c = np.moveaxis(points[triangles], 1, 0)
+        return float(np.sum(a * np.cross(b, c))) / 6
 
     def test_the_water_is_closed_and_as_much_as_in_the_cells(self):
         depth = np.zeros((4, 5))
         depth[1:3, 1:4], depth[0, 0] = 0.7, 0.7
-        cells = (np.arange(6) * 0.5, np.arange(5) * 0.5, depth)
-        points, quads = render.surface(cells, lambda x: np.zeros(len(x)))
-        edges = self.edges(quads)
+        cells, still = (np.arange(6) * 0.5, np.arange(5) * 0.5), [0 * depth] * 3
+        mesh = surfaces.over_cells(*cells, depth, 0 * depth, still)
+        edges = self.edges(mesh.triangles)
         self.assertEqual({edges.count((a, b)) - edges.count((b, a)) for a, b in edges}, {0})
-        self.assertAlmostEqual(self.volume_within(points, quads), 7 * 0.7 * 0.25, 2)  # less 5 mm of its bed
-        self.assertIsNone(render.surface((cells[0], cells[1], 0 * depth), lambda x: np.zeros(len(x))))
+        self.assertAlmostEqual(self.volume_within(mesh.vertices, mesh.triangles), 7 * 0.7 * 0.25, 9)
+        self.assertEqual(len(surfaces.over_cells(*cells, 0 * depth, 0 * depth, still).vertices), 0)
 
-    def test_people_stand_where_they_are_and_their_boxes_look_outwards(self):
+    def test_people_stand_where_they_are_and_their_parts_look_outwards(self):
         names = ("x", "y", "z", "heading", "lean_x", "lean_z")
         arrays = {name: np.zeros(2, "f4") for name in names}
         arrays |= {"x": np.float32([3, 8]), "z": np.float32([2, 5]), "height": np.float32([1.7, 1.2]),
                    "id": np.arange(2), "state": np.zeros(2, "i4"), "vx": np.zeros(2), "vy": np.zeros(2), "vz": np.zeros(2)}
-        points, quads, colours = render.figures(Points(0, 0.0, arrays), np.zeros(2))
-        self.assertEqual((len(quads), len(colours)), (6 * len(points) // 8, len(quads)))
+        points, triangles, colours = render.figures(Points(0, 0.0, arrays), np.zeros(2))
+        self.assertEqual(len(triangles), len(colours))
+        edges = self.edges(triangles)
+        self.assertEqual(sorted(edges), sorted((b, a) for a, b in edges))
         for n, who in enumerate(np.split(points, 2)):
             middle = (who.min(axis=0) + who.max(axis=0)) / 2
             np.testing.assert_allclose(middle[:2], [arrays["x"][n], arrays["z"][n]], atol=0.08)
             self.assertLess(abs(who[:, 2].max() - arrays["height"][n]), 0.05 * arrays["height"][n])
-        for box in range(len(points) // 8):
-            self.assertGreater(self.volume_within(points, quads[6 * box : 6 * box + 6]), 0)
+        for part in body.PARTS:
+            corners, _, faces, _ = body.mesh(part)
+            self.assertGreater(self.volume_within(corners.astype(float), faces), 0)
 
 
 class Goals(unittest.TestCase):

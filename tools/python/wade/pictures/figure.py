@@ -4,8 +4,13 @@ Reads manifest.json, outcome.json, agents.csv, trajectories.sqlite and water.bin
 whole run is drawn, with the water of its last snapshot; with it, everything as it was at that time.
 """
 
+import argparse
+import contextlib
 import logging
 import pathlib
+import select
+import signal
+import sys
 import warnings
 
 import matplotlib.pyplot as plt
@@ -104,6 +109,34 @@ def draw(run, time, output, width_px=None):
     plt.close(figure)
 
 
+def warm_up(scene):
+    """Draws what needs no results, so that fonts and texts are at hand."""
+    rows = rows_of_groups(scene)
+    figure, axes = top_view.new_map(scene, right=0.85, above=0.85, below=0.9 + 0.21 * rows if rows else 0.92)
+    grid = np.linspace(0, 1, 2)
+    top_view.draw_depth_bar(figure, axes, top_view.draw_water(axes, (grid, grid, np.ones((1, 1))), scene))
+    top_view.draw_flow(axes, scene, None)
+    top_view.draw_obstacles(axes, scene)
+    top_view.draw_goals(axes, scene)
+    draw_title(figure, title_of(scene, [], {}, []), "")
+    add_legend(figure, {outcome: [None] for outcome in OUTCOMES}, scene)
+    figure.canvas.draw()
+    plt.close(figure)
+
+
+def wait_until_told(run):
+    """Returns true when a line comes on the standard input, false at its end; warms up as soon as the run has a manifest."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # that of the run, which then closes the standard input
+    warm, manifest = False, run / "manifest.json"
+    while not select.select([sys.stdin], [], [], None if warm else 0.1)[0]:
+        if not warm and manifest.exists():
+            warm = True
+            with contextlib.suppress(Exception):  # what is wrong with the scene shows in the picture itself
+                warm_up(read_json(manifest)["resolved_scene"])
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    return bool(sys.stdin.readline())
+
+
 def main(arguments):
     """tools/wade figure."""
     parser = Parser("figure", __doc__)
@@ -111,7 +144,11 @@ def main(arguments):
     parser.add_argument("--time", type=float, metavar="S", help="simulated time to draw, s [the whole run]")
     parser.add_argument("--output", type=pathlib.Path, metavar="PNG", help="picture to write [RUN_DIR/figure.png]")
     parser.add_argument("--width-px", type=int, metavar="W", help="width of the picture, 320 to 7680 pixels [1856]")
+    # Beside a run: loads and warms up, and draws when a line comes on the standard input.
+    parser.add_argument("--when-told", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
+    if options.when_told and not wait_until_told(options.run):
+        return 0
     if options.width_px is not None and not 320 <= options.width_px <= 7680:
         parser.error(f"--width-px: {options.width_px}, allowed is 320 to 7680")
     if options.time is not None and not options.time >= 0:

@@ -86,7 +86,9 @@ def read_water(path, time):
 def save_picture(figure, output):
     """Writes a picture whole or not at all, without date or version: the same run gives the same bytes."""
     with whole_file(output) as part:
-        figure.savefig(part, metadata={"Software": None})
+        # A fifth larger than with zlib's default level, in a third of its time.
+        options = {"pil_kwargs": {"compress_level": 1}} if output.suffix.lower() == ".png" else {}
+        figure.savefig(part, metadata={"Software": None}, **options)
 
 
 def check_time(run, time_s, option="--time"):

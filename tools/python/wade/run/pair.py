@@ -22,7 +22,7 @@ from wade.paths import BUILD, module_command
 from wade.run.arguments import asks_for_help, help_text, is_given, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
 from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
-from wade.run.processes import Pair, answer_of, meaning, wait_for_own_segment, wait_until_joined
+from wade.run.processes import Pair, answer_of, answers_of, end_with_parent, meaning, wait_for_own_segment, wait_until_joined
 from wade.scenes import find_scene
 from wade.terminal import harmless, say_error, tail_of, wrapped
 from wade.view import FIFO, Server, install_modules, settings_for_view
@@ -67,12 +67,6 @@ def programs_of(arguments):
 def has_view(arguments):
     """Whether the page is shown beside the run."""
     return is_given(arguments, "--view") or is_given(arguments, "--view-port")
-
-
-def resolved_scene(program, scene, arguments):
-    """The resolved scene and 0, or None and the exit code if the program refuses it; it says why on stderr."""
-    code, text = answer_of([program, scene, *arguments, "--print-config"])
-    return (json.loads(text), 0) if code == 0 else (None, code)
 
 
 def without_comments(text):
@@ -139,11 +133,27 @@ def stdin_of_client(arguments):
     return None if sys.stdin.isatty() or from_stdin else subprocess.DEVNULL
 
 
-def draw(folder, pair):
-    """Draws figure.png; true if it is there afterwards."""
-    figure = folder / "figure.png"
-    artist = pair.start([*module_command("wade.pictures.figure"), folder], stdout=subprocess.DEVNULL)
-    return artist.wait() == 0 and figure.exists()
+class Artist:
+    """The process that draws figure.png. It loads its modules and fonts while the run goes on, and draws when the run has ended."""
+
+    def __init__(self, folder):
+        self.figure = folder / "figure.png"
+        self.process = subprocess.Popen([*module_command("wade.pictures.figure"), folder, "--when-told"], stdin=subprocess.PIPE,
+                                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, errors="backslashreplace",
+                                        preexec_fn=end_with_parent)
+
+    def draw(self, pair):
+        """Draws; returns why there is no picture, "" if there is one. Signals that the run receives are passed on."""
+        pair.processes.append(self.process)
+        _, said = self.process.communicate("draw\n")
+        if self.process.returncode == 0 and self.figure.exists():
+            return ""
+        return said.strip() or "it ended early"
+
+    def leave(self):
+        """Lets the process end without a picture."""
+        if self.process.poll() is None and not self.process.stdin.closed:
+            self.process.communicate()
 
 
 class Run:
@@ -165,11 +175,11 @@ class Run:
 
     def check_scene(self):
         """Reads the scene as the programs do; returns the exit code of the one that refuses it, else 0."""
-        for name in ("fluid_server", "crowd_client"):
-            if name in self.arguments:
-                self.resolved, code = resolved_scene(BUILD / name, self.scene, self.arguments[name])
-                if self.resolved is None:
-                    return code
+        programs = [name for name in ("fluid_server", "crowd_client") if name in self.arguments]
+        for code, text in answers_of([[BUILD / name, self.scene, *self.arguments[name], "--print-config"] for name in programs]):
+            if code != 0:
+                return code
+            self.resolved = json.loads(text)
         if self.view and not self.suits_view:
             return self.suit_to_view()
         if "--replay" in self.own and self.resolved["coupling"]["two_way"]:
@@ -277,18 +287,26 @@ def tell_failures(started, codes):
             print(*("  " + line for line in tail_of(log, SHOWN_OF_LOG)), sep="\n", file=sys.stderr)
 
 
-def picture(run, folder, pair):
-    """Draws the run unless there is a reason not to, and says so; false if the picture failed."""
+def why_no_picture(run):
+    """Why a run is not drawn, "" if it is."""
     if not all(map(importlib.util.find_spec, PICTURES)):
-        print(f"no picture: {', '.join(PICTURES)} are not all installed")
-    elif is_given(run.arguments["crowd_client"], "--no-trajectories"):
-        print("no picture: --no-trajectories leaves no paths to draw")
-    elif draw(folder, pair):
+        return f"{', '.join(PICTURES)} are not all installed"
+    if is_given(run.arguments["crowd_client"], "--no-trajectories"):
+        return "--no-trajectories leaves no paths to draw"
+    return ""
+
+
+def picture(run, folder, pair, artist):
+    """Draws the run unless there is a reason not to, and says so; false if the picture failed."""
+    why = why_no_picture(run) if artist is None else artist.draw(pair)
+    if not why:
         print(f"picture: {folder / 'figure.png'}")
         if not run.view:
             print(f"in the browser: tools/wade view {folder}")
+    elif artist is None or re.match(r"\w*(ImportError|ModuleNotFoundError)", why.split("\n")[-1]):
+        print(wrapped(harmless(f"no picture: {why.split(chr(10))[-1]}")))  # packages that are installed in part
     else:
-        print("wade run: the picture could not be drawn", file=sys.stderr)
+        say_error(f"{why}\nwade run: the picture could not be drawn")
         return False
     return True
 
@@ -312,6 +330,7 @@ def carry_out(run):
         if viewer and not viewer.address:
             return viewer.wait()
         started = start_all(run, pair, folder, session)
+        artist = None if many or "--no-figure" in own or why_no_picture(run) else Artist(folder)
     except OSError as error:
         raise UsageError(f"--out: cannot write to {folder}: {error.strerror}") from error
     codes = pair.wait()
@@ -331,8 +350,10 @@ def carry_out(run):
     if recording and state_of(recording) not in (None, earlier_recording):
         print(f"recording: {recording}")
     drawable = not many and not pair.signal and before.has_new_results() and has_frames(folder)
-    if "--no-figure" not in own and drawable and not picture(run, folder, pair):
+    if "--no-figure" not in own and drawable and not picture(run, folder, pair, artist):
         code = code or 1
+    if artist:
+        artist.leave()
     if viewer:
         interrupted = pair.signal
         stay(viewer, pair)

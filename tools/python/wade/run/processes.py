@@ -8,6 +8,7 @@ import select
 import signal
 import struct
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -54,6 +55,20 @@ def answer_of(command):
     with start(command, stdout=subprocess.PIPE, text=True) as program:
         text, _ = program.communicate()
     return program.returncode, text
+
+
+def answers_of(commands):
+    """The answers of programs that run side by side, in order, up to the first that fails; what others say on stderr is left out."""
+    programs = [start(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="backslashreplace")
+                for command in commands]
+    answers, failed = [], False
+    for program in programs:
+        text, said = program.communicate()
+        if not failed:
+            sys.stderr.write(said)
+            answers.append((program.returncode, text))
+            failed = program.returncode != 0
+    return answers
 
 
 class Pair:
