@@ -161,6 +161,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
     agents.group.push_back(static_cast<std::uint32_t>(g));
     agents.outcome.push_back(Outcome::active);
     if (!scene.place) return;
+    agents.house.push_back(-1);
     agents.leaves.push_back(0);
     agents.goes_up.push_back(0);
     agents.door_depth.push_back(0);
@@ -170,6 +171,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
 void let_live_indoors(Agents& agents, const Scene& scene, std::size_t id, const Lodger& lodger) {
     const Leaving& leaving = scene.crowd->groups[agents.group[id]].leaving;
     agents.outcome[id] = Outcome::indoors;
+    agents.house[id] = lodger.house;
     if (lodger.row != nullptr && lodger.row->leaves_at) {
         agents.leaves[id] = *lodger.row->leaves_at;
     } else {
@@ -206,6 +208,10 @@ void add_lodgers(Agents& agents, const Scene& scene, std::size_t g, const TauLin
                                      : person_of_table(scene.crowd, scene.crowd->groups[g], member, id);
         add_agent(agents, scene, g, place, person, line);
         if (lodger.house >= 0) let_live_indoors(agents, scene, id, lodger);
+        if (lodger.row != nullptr && !lodger.row->id.empty()) {
+            agents.resident.resize(id + 1);
+            agents.resident[id] = lodger.row->id;
+        }
         ++member;
     }
 }

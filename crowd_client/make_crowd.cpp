@@ -41,6 +41,7 @@ void check_coupling(const Scene& scene) {
 
 void move_out_of_faces(Agents& agents, const Walls& walls) {
     for (std::size_t id = 0; id < agents.size(); ++id) {
+        if (agents.outcome[id] == Outcome::indoors) continue;  // before its door, where it has room
         const std::optional<Vector2d> place = place_outside(walls, agents.position[id]);
         if (!place) {
             std::ostringstream message;
@@ -104,7 +105,10 @@ CrowdWorld make_crowd(const Scene& given) {
     }
     crowd.agents.stay = crowd.agents.position;
     crowd.navigation = scene.place ? make_place_ways(scene, crowd.agents) : make_navigation(scene, crowd.agents);
+    const std::string shut_in = choose_doors(crowd.navigation, scene, crowd.agents);
+    crowd.indoors = indoors_of(crowd.agents, crowd.dt);
     crowd.warnings = start_warnings(scene, crowd.agents, crowd.navigation);
+    if (!shut_in.empty()) crowd.warnings.push_back(shut_in);
     crowd.markers = crowd.agents.size() == 0 ? Markers{} : place_markers(scene);
     crowd.markers.grid = GroundGrid::over(scene.world);
     crowd.markers.cell_start.resize(crowd.markers.grid.cells() + 1);

@@ -34,27 +34,31 @@ double doubled_area(const MapLine& ring) {
     return sum;
 }
 
-// Its corners so that the house is on the left of the way along them: an outer ring against the clock, a court's with it.
-std::vector<Vector2d> corners_of(const MapPolygon& plan, std::size_t ring_number) {
-    const MapLine& ring = plan.rings[ring_number];
+bool is_court(const MapPolygon& plan, std::size_t ring_number) {
     std::size_t round_it = 0;
     for (std::size_t other = 0; other < plan.rings.size(); ++other) {
-        if (other != ring_number && contains({{plan.rings[other]}}, ring[0])) ++round_it;
+        if (other != ring_number && contains({{plan.rings[other]}}, plan.rings[ring_number][0])) ++round_it;
     }
+    return round_it % 2 == 1;
+}
+
+// Its corners so that the house is on the left of the way along them: an outer ring against the clock, a court's with it.
+std::vector<Vector2d> corners_of(const MapLine& ring, bool of_court) {
     std::vector<Vector2d> corners;
     for (const MapPoint& p : ring) {
         if (corners.empty() || (vector_of(p) - corners.back()).norm() > shortest_side) corners.push_back(vector_of(p));
     }
     while (corners.size() > 1 && (corners.back() - corners.front()).norm() <= shortest_side) corners.pop_back();
-    if ((doubled_area(ring) > 0) != (round_it % 2 == 0)) std::reverse(corners.begin(), corners.end());
+    if ((doubled_area(ring) > 0) == of_court) std::reverse(corners.begin(), corners.end());
     return corners;
 }
 
-void add_ring(std::vector<HouseSide>& sides, const std::vector<Vector2d>& corners) {
+void add_ring(std::vector<HouseSide>& sides, const std::vector<Vector2d>& corners, bool of_court) {
     if (corners.size() < 3) return;
     const std::size_t first = sides.size(), n = corners.size();
     for (std::size_t k = 0; k < n; ++k) {
         HouseSide side;
+        side.is_of_court = of_court;
         side.from = corners[k];
         side.to = corners[(k + 1) % n];
         side.length = (side.to - side.from).norm();
@@ -79,7 +83,9 @@ PlacedHouses place_houses(std::vector<MapPolygon> plans) {
     for (const MapPolygon& plan : houses.plans) {
         houses.first_side.push_back(static_cast<std::uint32_t>(houses.sides.size()));
         for (std::size_t r = 0; r < plan.rings.size(); ++r) {
-            if (!plan.rings[r].empty()) add_ring(houses.sides, corners_of(plan, r));
+            if (plan.rings[r].empty()) continue;
+            const bool of_court = is_court(plan, r);
+            add_ring(houses.sides, corners_of(plan.rings[r], of_court), of_court);
         }
         Obstacle ground{{0, 0}, {0, 0}};
         for (std::size_t k = houses.first_side.back(); k < houses.sides.size(); ++k) {

@@ -25,6 +25,7 @@ struct HouseSide {
     double length = 0;                                        // m
     std::uint32_t before = 0, after = 0;                      // sides that end at `from` and begin at `to`
     bool juts_before = false, juts_after = false;  // whether the house's corner there is less than 180 degrees
+    bool is_of_court = false;                      // of a ring within another one of the house
 
     // How far p is before the line of the side, m; below 0 behind it.
     [[nodiscard]] double distance_before(const Vector2d& p) const { return outward.dot(p - from); }
@@ -101,21 +102,26 @@ struct Lodger {
 // Of a group that starts in houses, first the table's in its order, then those of the houses, which are the first such group's.
 [[nodiscard]] std::vector<Lodger> lodgers_of(const Scene& scene, const PlacedHouses& houses, std::size_t group);
 
-// Where one stands who has left by a door of the house, `room` from all walls, m. Throws ConfigurationError for a door that opens into
-// a wall, and for a house that nobody can leave.
+// Positions before the doors of houses, `room` from all walls, m.
 class Doors {
  public:
     Doors(const Scene& scene, const PlacedHouses& houses, double room);
-    // The door is the nearest of a table's person, else that of its number in turn.
+    // The position before the door of a person: the nearest door of a table's person, else that of its number in turn. A house without
+    // free ground before any of its walls gives the middle of a wall. Throws ConfigurationError for a door that opens into a wall.
     [[nodiscard]] Vector2d place_before(const Lodger& lodger);
+    // All positions before doors of the house, the usual one first: of the doors that the scene states; else of points on its walls to
+    // the street that have free ground, middles of walls first, from the lowest ground up. Walls of courts come last.
+    [[nodiscard]] const std::vector<Vector2d>& doors_of(std::size_t house);
 
  private:
-    [[nodiscard]] const std::vector<Vector2d>& doors_of(std::size_t house);
+    [[nodiscard]] bool is_free(const Vector2d& p) const;
+    [[nodiscard]] double away() const { return room_ + 1e-3; }
+    [[nodiscard]] Vector2d before_stated_door(std::size_t house, const MapPoint& door) const;
 
     const Scene& scene_;
     const PlacedHouses& houses_;
     double room_;
-    std::vector<std::vector<Vector2d>> known_;  // by house, places before its doors; empty: not looked for
+    std::vector<std::vector<Vector2d>> known_;  // by house, positions before its doors; empty: not looked for
 };
 
 // When one leaves, s; `never` of who stays. u: a number of [0, 1) that is its own.

@@ -26,9 +26,14 @@ std::int32_t house_at(const PlacedHouses& houses, std::size_t count, const Vecto
     return house;
 }
 
-std::string words_of(const Scene& scene, std::size_t house) {
+std::string words_of_house(const Scene& scene, std::size_t house) {
     const std::string& name = scene.place->houses[house].name;
     return "/place/houses/" + std::to_string(house) + (name.empty() ? "" : " (\"" + name + "\")");
+}
+
+std::span<const HouseSide> sides_of(const PlacedHouses& houses, std::size_t house) {
+    return std::span(houses.sides)
+        .subspan(houses.first_side[house], houses.first_side[house + 1] - houses.first_side[house]);
 }
 
 }  // namespace
@@ -51,59 +56,68 @@ std::vector<Lodger> lodgers_of(const Scene& scene, const PlacedHouses& houses, s
 Doors::Doors(const Scene& scene, const PlacedHouses& houses, double room)
     : scene_(scene), houses_(houses), room_(room), known_(scene.place->houses.size()) {}
 
+bool Doors::is_free(const Vector2d& p) const {
+    const bool in_world = p.x() >= 0 && p.x() <= scene_.world->length && p.y() >= 0 && p.y() <= scene_.world->width;
+    return in_world && !is_in_a_house(houses_, p) &&
+           !any_side_near(houses_, {p.x() - room_, p.x() + room_}, {p.y() - room_, p.y() + room_},
+                          [&](const HouseSide& side) { return (p - side.at(side.nearest(p))).norm() < room_; });
+}
+
+Vector2d Doors::before_stated_door(std::size_t house, const MapPoint& door) const {
+    constexpr double on_a_wall = 1;  // m; how far a door may be off
+    const std::span sides = sides_of(houses_, house);
+    const Vector2d p(door.x, door.z);
+    const auto nearest = std::min_element(sides.begin(), sides.end(), [&](const HouseSide& a, const HouseSide& b) {
+        return (p - a.at(a.nearest(p))).squaredNorm() < (p - b.at(b.nearest(p))).squaredNorm();
+    });
+    const Vector2d on_wall = nearest->at(nearest->nearest(p)), before = on_wall + away() * nearest->outward;
+    std::ostringstream message;
+    message << words_of_house(scene_, house) << ": the door at (" << p.x() << ", " << p.y() << ") m ";
+    if ((p - on_wall).norm() > on_a_wall) {
+        message << "is " << (p - on_wall).norm() << " m from the walls; allowed: " << on_a_wall << " m at most";
+        throw ConfigurationError(message.str());
+    }
+    if (!is_free(before)) {
+        message << "opens into a wall or out of the world; allowed: " << 2 * room_ << " m of free ground before it";
+        throw ConfigurationError(message.str());
+    }
+    return before;
+}
+
 const std::vector<Vector2d>& Doors::doors_of(std::size_t house) {
     std::vector<Vector2d>& places = known_[house];
     if (!places.empty()) return places;
-    constexpr double on_a_wall = 1;  // m; how far a door may be off
-    const double away = room_ + 1e-3;
-    const std::span sides =
-        std::span(houses_.sides)
-            .subspan(houses_.first_side[house], houses_.first_side[house + 1] - houses_.first_side[house]);
-    const auto is_free = [&](const Vector2d& p) {
-        const bool in_world = p.x() >= 0 && p.x() <= scene_.world->length && p.y() >= 0 && p.y() <= scene_.world->width;
-        return in_world && !is_in_a_house(houses_, p) &&
-               !any_side_near(houses_, {p.x() - room_, p.x() + room_}, {p.y() - room_, p.y() + room_},
-                              [&](const HouseSide& side) { return (p - side.at(side.nearest(p))).norm() < room_; });
-    };
-    for (const MapPoint& door : scene_.place->houses[house].doors) {
-        const Vector2d p(door.x, door.z);
-        const auto nearest = std::min_element(sides.begin(), sides.end(), [&](const HouseSide& a, const HouseSide& b) {
-            return (p - a.at(a.nearest(p))).squaredNorm() < (p - b.at(b.nearest(p))).squaredNorm();
-        });
-        const Vector2d on_wall = nearest->at(nearest->nearest(p)), before = on_wall + away * nearest->outward;
-        std::ostringstream message;
-        message << words_of(scene_, house) << ": the door at (" << p.x() << ", " << p.y() << ") m ";
-        if ((p - on_wall).norm() > on_a_wall) {
-            message << "is " << (p - on_wall).norm() << " m from the walls; allowed: " << on_a_wall << " m at most";
-            throw ConfigurationError(message.str());
-        }
-        if (!is_free(before)) {
-            message << "opens into a wall or out of the world; allowed: " << 2 * room_ << " m of free ground before it";
-            throw ConfigurationError(message.str());
-        }
-        places.push_back(before);
-    }
+    for (const MapPoint& door : scene_.place->houses[house].doors) places.push_back(before_stated_door(house, door));
     if (!places.empty()) return places;
-    // Without doors one at the lowest of the middles of its walls that is free; the first of equal ones.
-    double lowest = never;
+    struct Possible {
+        int rank;
+        double height;
+        Vector2d before;
+    };
+    std::vector<Possible> possible;
+    const std::span sides = sides_of(houses_, house);
     for (const HouseSide& side : sides) {
-        const Vector2d before = side.at(0.5 * side.length) + away * side.outward;
-        const double height = ground_height(scene_.place->ground, {before.x(), before.y()});
-        if (!(height < lowest) || !is_free(before)) continue;
-        lowest = height;
-        places.assign(1, before);
+        for (const double share : {0.5, 0.25, 0.75}) {
+            const Vector2d before = side.at(share * side.length) + away() * side.outward;
+            if (!is_free(before)) continue;
+            const int rank = (share == 0.5 ? 0 : 1) + (side.is_of_court ? 2 : 0);
+            possible.push_back({rank, ground_height(scene_.place->ground, {before.x(), before.y()}), before});
+        }
     }
-    if (places.empty()) {
-        throw ConfigurationError(words_of(scene_, house) +
-                                 ": none of its walls has free ground before its middle for a door; allowed: "
-                                 "doors_m where there is some, or residents 0");
-    }
+    std::stable_sort(possible.begin(), possible.end(), [](const Possible& a, const Possible& b) {
+        return a.rank != b.rank ? a.rank < b.rank : a.height < b.height;
+    });
+    for (const Possible& one : possible) places.push_back(one.before);
+    if (places.empty()) places.push_back(sides[0].at(0.5 * sides[0].length));
     return places;
 }
 
 Vector2d Doors::place_before(const Lodger& lodger) {
-    const std::vector<Vector2d>& places = doors_of(static_cast<std::size_t>(lodger.house));
-    if (lodger.row == nullptr) return places[lodger.in_house % places.size()];
+    const auto house = static_cast<std::size_t>(lodger.house);
+    const std::vector<Vector2d>& places = doors_of(house);
+    const std::size_t stated = scene_.place->houses[house].doors.size();
+    if (stated == 0) return places[0];
+    if (lodger.row == nullptr) return places[lodger.in_house % stated];
     const Vector2d p(lodger.row->x, lodger.row->z);
     return *std::min_element(places.begin(), places.end(), [&](const Vector2d& a, const Vector2d& b) {
         return (a - p).squaredNorm() < (b - p).squaredNorm();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -328,15 +329,53 @@ void take_in(Navigation& navigation, std::size_t shelter) {
     if (shelter < place.capacity.size() && place.is_full(shelter)) place.is_stale = true;
 }
 
+namespace {
+
+// Whether an agent at p is at its goal or has a route to it.
+bool has_route(const Navigation& navigation, const Agents& agents, std::size_t id, const Vector2d& p) {
+    const WayField& field = navigation.fields[navigation.field_of[id]];
+    if (!field.has_point && shelter_at(navigation, p)) return true;
+    return way_from(navigation, field, p, agents.goal[id] - p).has_value();
+}
+
+}  // namespace
+
+std::string choose_doors(const Navigation& navigation, const Scene& scene, Agents& agents) {
+    if (!navigation.place) return "";
+    Doors doors(scene, navigation.sight.houses, scene.crowd->body_radius + 1e-3);
+    std::size_t count = 0;
+    std::vector<std::int32_t> shut;
+    for (std::size_t id = 0; id < agents.size(); ++id) {
+        if (agents.house[id] < 0 || !std::isfinite(agents.leaves[id]) || agents.goes_up[id] != 0) continue;
+        if (has_route(navigation, agents, id, agents.position[id])) continue;
+        const std::vector<Vector2d>& others = doors.doors_of(static_cast<std::size_t>(agents.house[id]));
+        const auto open = std::find_if(others.begin(), others.end(),
+                                       [&](const Vector2d& p) { return has_route(navigation, agents, id, p); });
+        if (open != others.end()) {
+            agents.position[id] = agents.start[id] = agents.stay[id] = *open;
+            continue;
+        }
+        agents.leaves[id] = std::numeric_limits<double>::infinity();
+        ++count;
+        if (std::find(shut.begin(), shut.end(), agents.house[id]) == shut.end()) shut.push_back(agents.house[id]);
+    }
+    if (count == 0) return "";
+    const House& first = scene.place->houses[static_cast<std::size_t>(shut[0])];
+    std::ostringstream message;
+    message << (first.label.empty() ? "/place/houses/" + std::to_string(shut[0]) : first.label);
+    if (shut.size() > 1) message << " and " << shut.size() - 1 << " more houses";
+    message << ": no route leads from a door to a goal, so that " << count
+            << " residents stay indoors for good; allowed: a gap between houses more than "
+            << 2 * navigation.sight.clearance << " m wide, or doors elsewhere";
+    return message.str();
+}
+
 std::string people_cut_off(const Navigation& navigation, const Scene& scene, const Agents& agents) {
     if (!navigation.place) return "";
     std::size_t count = 0, first = 0;
     for (std::size_t id = 0; id < agents.size(); ++id) {
-        if (!agents.leaves.empty() && !std::isfinite(agents.leaves[id])) continue;  // stays in its house
-        const WayField& field = navigation.fields[navigation.field_of[id]];
-        const Vector2d& p = agents.position[id];
-        const bool is_there = !field.has_point && shelter_at(navigation, p).has_value();
-        if (is_there || way_from(navigation, field, p, goal_offset(agents, id, 0))) continue;
+        if (!agents.house.empty() && agents.house[id] >= 0) continue;  // see choose_doors
+        if (has_route(navigation, agents, id, agents.position[id])) continue;
         if (count++ == 0) first = id;
     }
     if (count == 0) return "";

@@ -46,7 +46,9 @@ void fields(HouseKeys& house, Fields& f) {
     f.number("height_m", house.height, "m", above(0).to(1000), "Height of the walls above the ground.");
     f.whole("residents", house.residents, "", from(0).to(100000), "People in it at t = 0; with file: in each.");
     f.points("doors", house.doors, "m", on_map,
-             "Places of the doors on its walls; none: one at the lowest ground along its walls.");
+             "Places of the doors on its walls; none: one at the lowest ground along its walls to the street from "
+             "which a route "
+             "leads to a goal.");
     f.number("upper_floor_m", house.upper_floor, "m", above(0).to(1000),
              "Height of an upper floor above the ground; none: there is none.", otherwise("none"));
 }

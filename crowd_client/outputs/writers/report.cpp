@@ -191,6 +191,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         "mean_dv_m2_s,state,height_m,mean_tau,worst_state,age,skill,"
         "sex,ground_friction,bracing_arm,start_x_m,start_z_m,off_feet_s,door_depth_m,adrift_s,exposure_s,drift_end,can_"
         "swim,rest_s,rest_state";
+    if (!agents.resident.empty()) csv += ",resident";
     if (danger != nullptr) csv.append(",danger_level,").append(exposure_columns);
     csv += '\n';
     for (std::size_t id = 0; id < agents.size(); ++id) {
@@ -217,6 +218,7 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
         csv += ',';
         if (!agents.door_depth.empty()) csv += csv_number(agents.door_depth[id]);
         csv += drift_columns(crowd, id);
+        if (!agents.resident.empty()) csv += ',' + (id < agents.resident.size() ? csv_field(agents.resident[id]) : "");
         if (danger != nullptr) {
             const Exposure& met = danger->agents()[id];
             csv += ',' + std::string(danger_name(met.largest)) + ',' + exposure_times(met, crowd.dt);

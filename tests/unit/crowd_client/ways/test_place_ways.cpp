@@ -172,6 +172,46 @@ TEST_CASE("Whom no way leads to a shelter is named") {
                                       "to any shelter, as do 7 more"));
 }
 
+TEST_CASE("A house opens to the street, not into its court, and to where a route begins") {
+    const auto court_site = [] {
+        Scene scene = two_shelters(0);
+        House house;
+        house.name = "court";
+        house.residents = 4;
+        house.polygon = {{{{20, 10}, {30, 10}, {30, 20}, {20, 20}}, {{22, 12}, {28, 12}, {28, 18}, {22, 18}}}};
+        scene.place->houses = {house};
+        scene.place->ground.points = {{0, 5, 0}, {60, 5, 0}, {60, 5, 40}, {0, 5, 40}, {25, 0, 15}};  // low in the court
+        scene.crowd->groups[0].starts = StartRule::houses;
+        scene.crowd->navigation.rule = NavigationRule::travel_time;
+        return scene;
+    };
+    CrowdWorld crowd = make_crowd(court_site());
+    REQUIRE(crowd.agents.size() == 4);
+    const Vector2d door = crowd.agents.position[0];
+    CHECK((door.x() < 20 || door.x() > 30 || door.y() < 10 || door.y() > 20));
+    CHECK(crowd.warnings.empty());
+
+    // A second house 0.6 m before the lowest wall: the door is another one, and the site is not refused.
+    Scene scene = court_site();
+    House second = scene.place->houses[0];
+    second.polygon = {{{{20, 20.6}, {30, 20.6}, {30, 30}, {20, 30}}}};
+    second.residents = 0;
+    scene.place->houses.push_back(second);
+    scene.place->ground.points = {{0, 5, 0}, {60, 5, 0}, {60, 5, 40}, {0, 5, 40}, {25, 0, 20.3}};
+    CrowdWorld beside = make_crowd(scene);
+    CHECK(beside.agents.position[0].y() < 20.25);
+    CHECK(std::isfinite(beside.agents.leaves[0]));
+
+    // Shut in on all sides: the people stay, and the warning names the house.
+    scene.place->houses[1].polygon = {
+        {{{18, 8}, {32, 8}, {32, 22}, {18, 22}}, {{19.5, 9.5}, {30.5, 9.5}, {30.5, 20.5}, {19.5, 20.5}}}};
+    CrowdWorld shut = make_crowd(scene);
+    CHECK(std::isinf(shut.agents.leaves[0]));
+    REQUIRE_FALSE(shut.warnings.empty());
+    CHECK_THAT(shut.warnings.back(),
+               Catch::Contains("/place/houses/0: no route leads from a door to a goal, so that 4 residents"));
+}
+
 TEST_CASE("A run in a place has the same bits for any number of threads") {
     const auto run = [](int threads) {
         CrowdWorld crowd = make_crowd(two_shelters(3));
