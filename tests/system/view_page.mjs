@@ -21,7 +21,7 @@ async function open(address, hash, size, delay = 0) {
   if (delay) await page.routeWebSocket(/stream$/, (socket) => socket.connectToServer().onMessage((m) => setTimeout(() => socket.send(m), delay)));
   page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !/GPU stall|ReadPixels/.test(message.text()) && problems.push(message.text()));
   page.on('pageerror', (error) => problems.push(error.message));
-  page.on('requestfailed', (request) => problems.push(`failed: ${request.url()}`));
+  page.on('requestfailed', (request) => !request.url().includes('?key=') && problems.push(`failed: ${request.url()}`));
   page.on('request', (request) => !/^(https?|ws):\/\/127\.0\.0\.1|^data:|^blob:/.test(request.url()) && problems.push(`not from here: ${request.url()}`));
   page.setDefaultTimeout(120000);
   await page.goto(`${address}#${hash}`);
@@ -44,6 +44,53 @@ const roughness = (page) => page.evaluate(() => {
       sum += (height(i - 1, j) - 2 * height(i, j) + height(i + 1, j)) ** 2 + (height(i, j - 1) - 2 * height(i, j) + height(i, j + 1)) ** 2;
   return Math.sqrt(sum / count);
 });
+// Reads a hundred random wet places of a picture back through the legend: the largest difference from the data, of the full scale.
+const misread = (page, mode, camera, time) => page.evaluate(async ({ mode, camera, time }) => {
+  const choose = (id, value) => {
+    document.querySelector(id).value = value;
+    document.querySelector(id).dispatchEvent(new Event('change'));
+  };
+  choose('#mode', mode);
+  choose('#camera', camera);
+  await wade.picture(time);
+  const { show } = wade, { grid } = show.water, canvas = document.querySelector('#view canvas'), { width, height } = canvas;
+  for (const thing of [show.people.mesh, show.symbols.points, show.traces.mesh]) thing.visible = false; // they stand before the water
+  show.tracesOn = false;
+  const read = (wide, high, draw) => {
+    const c = new OffscreenCanvas(wide, high).getContext('2d');
+    draw(c);
+    return c.getImageData(0, 0, wide, high).data;
+  };
+  wade.paint();
+  const picture = read(width, height, (c) => c.drawImage(canvas, 0, 0)), parts = 1000;
+  const colours = getComputedStyle(document.querySelector('#bar')).backgroundImage.match(/rgb\([^)]*\)/g);
+  const scale = read(parts, 1, (c) => {
+    const along = c.createLinearGradient(0, 0, parts, 0);
+    colours.forEach((colour, k) => along.addColorStop(k / (colours.length - 1), colour));
+    c.fillStyle = along;
+    c.fillRect(0, 0, parts, 1);
+  });
+  const full = parseFloat([...document.querySelectorAll('#ticks span')].pop().textContent);
+  let random = 7, seen = 0, most = 0;
+  for (let k = 0; k < 5000 && seen < 100; ++k) {
+    random = (random * 1664525 + 1013904223) % 4294967296;
+    const c = Math.floor((random / 4294967296) * grid.depth.length), i = c % grid.nx, j = Math.floor(c / grid.nx);
+    if (grid.depth[c] < 0.02 || i < 1 || j < 1 || i + 2 > grid.nx || j + 2 > grid.nz) continue;
+    const [x, y] = wade.project(grid.x0 + grid.cell * (i + 0.5), grid.bed[c] + show.water.even[c], grid.z0 + grid.cell * (j + 0.5));
+    const px = Math.floor((x * width) / innerWidth), py = Math.floor((y * height) / innerHeight);
+    if (px < 0 || py < 0 || px >= width || py >= height) continue;
+    const apart = (m) => [0, 1, 2].reduce((sum, k2) => sum + (scale[4 * m + k2] - picture[4 * (py * width + px) + k2]) ** 2, 0);
+    let best = 0;
+    for (let m = 1; m < parts; ++m) if (apart(m) < apart(best)) best = m;
+    ++seen;
+    // A pixel of this picture is as wide as a cell: it shows a value between those of the cell and its neighbours.
+    const values = [-1, 0, 1].flatMap((a) => [-1, 0, 1].map((b) => c + a * grid.nx + b)).map((o) => (mode === 'speed' ? Math.hypot(grid.vx[o], grid.vz[o]) : grid.depth[o]));
+    const value = ((best + 0.5) / parts) * full;
+    most = Math.max(most, Math.max(Math.min(...values) - value, value - Math.max(...values), 0) / full);
+  }
+  return { seen, most };
+}, { mode, camera, time });
+
 // Water of particles is as smooth as its depths in cells, which the snapshots of the same moment give. The particles of a flat
 // river differ in height by a few hundredths of their spacing of 0.5 m; a tenth of it is a spike.
 const smooth = 0.05;
@@ -155,6 +202,12 @@ try {
   const particles = await page.evaluate(() => wade.picture(4));
   assert.equal(await page.evaluate(() => wade.at().particles), 640);
   const rough = await roughness(page);
+  // Colours are those of the legend, within 3 %: 8 bits of a colour resolve about 1 %.
+  for (const [mode, camera] of [['depth', 'free'], ['speed', 'free'], ['speed', 'top']]) {
+    const { seen, most } = await misread(page, mode, camera, 4);
+    console.log(`${mode}, camera ${camera}: ${seen} places, at most ${(100 * most).toFixed(2)} % of the scale from the data`);
+    assert.ok(seen > 50 && most < 0.03, `colours of ${mode}, camera ${camera}: ${most} from the data at ${seen} places`);
+  }
   await page.close();
   page = await open(snapshots, 'still&play=0&dark=0&quality=low&form=surface', { width: 560, height: 360 });
   const apartOf = await page.evaluate(async (particles) => {
@@ -167,6 +220,31 @@ try {
     return one.reduce((sum, v, k) => sum + Math.abs(v - other[k]), 0) / one.length;
   }, particles);
   const reference = await roughness(page);
+  // Without velocities there is no mode for speeds; the page says why.
+  assert.equal(await page.evaluate(() => document.querySelector('#mode [value=speed]').disabled), true);
+  await page.selectOption('#mode', 'speed', { force: true }).catch(() => 0);
+  assert.match(await page.textContent('#mode'), /speed: not recorded/);
+  // The water behind a gate ends there until it opens: all triangles lie on its side, and reach the gate.
+  const behind = await page.evaluate(async () => {
+    const { Water } = await import('/water.js'), three = await import('three'), line = [[10.2, -1], [12.7, 13]];
+    const scene = { channel: { flow: 'closed', x_min_m: 0, x_max_m: 20, z_min_m: 0, z_max_m: 12 }, fluid: { shallow_water: { cell_size_m: 1 } }, world: {} };
+    const water = new Water(new three.Group(), scene, null, { at: (x) => -0.1 * x }, [{ opens_at: 5, line }]);
+    const beyond = (x, z) => ((line[1][0] - line[0][0]) * (z - line[0][1]) - (line[1][1] - line[0][1]) * (x - line[0][0])) / Math.hypot(2.5, 14);
+    const depths = Float32Array.from({ length: 240 }, (_, k) => (beyond((k % 20) + 0.5, Math.floor(k / 20) + 0.5) > 0 ? 2 : 0)).map((d, k) => d && 2 + 0.1 * (k % 20));
+    return [0, 6].map((time) => {
+      water.shutGates(time);
+      water.takeDepths({ kind: 'depths', count: 240, columns: 20, cell: 1, x0: 0, z0: 0, time, arrays: [depths] });
+      const { index, attributes: { position: p, state } } = water.surface.geometry;
+      const sides = [];
+      for (let k = 0; k < index.count; k += 3) {
+        const corners = [0, 1, 2].map((m) => index.getX(k + m));
+        if (corners.every((v) => v < 240) && corners.some((v) => state.getX(v) > 1)) sides.push(...corners.map((v) => [beyond(p.getX(v), -p.getZ(v)), p.getY(v)]));
+      }
+      return { nearest: Math.min(...sides.map(([d]) => d)), lowest: Math.min(...sides.map(([, y]) => y)) };
+    });
+  });
+  assert.ok(Math.abs(behind[0].nearest) < 1e-4 && behind[0].lowest > 0.5, `water past a closed gate: ${JSON.stringify(behind)}`);
+  assert.ok(behind[1].nearest < -0.3, `water held by an open gate: ${JSON.stringify(behind)}`);
   console.log(`roughness of the surface: particles ${rough.toFixed(4)} m, depths ${reference.toFixed(4)} m; pictures ${apartOf.toFixed(1)} levels apart`);
   assert.ok(rough < smooth + reference, `the surface of a recording is rough: ${rough} m, of its depths ${reference} m`);
   assert.ok(apartOf < 8, `the pictures of particles and depths are ${apartOf} levels apart`);

@@ -172,7 +172,10 @@ export const $ = (id) => document.getElementById(id);
 
 /** Takes the next choice of a list. */
 export function cycle(id) {
-  $(id).selectedIndex = ($(id).selectedIndex + 1) % $(id).options.length;
+  const list = $(id), next = (k) => (k + 1) % list.options.length;
+  let k = next(list.selectedIndex);
+  while (list.options[k].disabled) k = next(k);
+  list.selectedIndex = k;
   $(id).dispatchEvent(new Event('change'));
 }
 const number = (v, digits = 2) => (Number.isFinite(v) ? v.toFixed(digits).replace('-', '\u2212') : '\u2013');
@@ -208,13 +211,18 @@ export function showState(word, sub, note) {
   $('note').textContent = note;
 }
 
-export function showLegend(legend, mode) {
-  $('legend-name').textContent = mode === 'clear' ? 'clear water, foam where it is steep or fast' : `${legend.name}, ${legend.unit}`;
-  $('bar').style.display = $('ticks').style.display = mode === 'clear' ? 'none' : '';
+/** The legend of a mode; without velocities there are no speeds to show. */
+export function showLegend(legend, mode, hasVelocity) {
+  const isMissing = mode === 'speed' && !hasVelocity, speed = $('mode').querySelector('[value=speed]');
+  speed.disabled = !hasVelocity;
+  speed.textContent = hasVelocity ? 'speed' : 'speed: not recorded';
+  $('legend-name').textContent = isMissing ? 'no speeds: water.bin has depths only; run with --record FILE for velocities'
+    : mode === 'clear' ? `clear water, foam where it is steep${hasVelocity ? ' or fast' : ''}` : `${legend.name}, ${legend.unit}`;
+  $('bar').style.display = $('ticks').style.display = mode === 'clear' || isMissing ? 'none' : '';
   $('bar').style.background = `linear-gradient(90deg, ${scaleColours(mode).join(',')})`;
   $('ticks').replaceChildren(...[0, 0.25, 0.5, 0.75, 1].map((share, k) => {
     const tick = document.createElement('span');
-    tick.textContent = `${+(share * legend.full).toPrecision(3)}${k === 4 ? ` ${legend.unit}` : ''}`;
+    tick.textContent = `${k === 4 && legend.isBeyond ? '\u2265 ' : ''}${+(share * legend.full).toPrecision(3)}${k === 4 ? ` ${legend.unit}` : ''}`;
     return tick;
   }));
 }

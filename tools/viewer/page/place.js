@@ -299,18 +299,16 @@ export class Grid {
     this.vz.fill(0);
   }
 
-  /** Evens out single particles: `times` passes of a small kernel; volume stays. */
-  smooth(times) {
-    const { nx, nz } = this;
+  /** Evens out single particles: `times` passes of a small kernel over a field; volume stays. */
+  smooth(field, times) {
+    const { nx, nz, part } = this;
     for (; times > 0; --times) {
-      for (const field of [this.depth]) {
-        this.part.set(field);
-        for (let j = 0; j < nz; ++j) {
-          const up = nx * Math.max(0, j - 1), down = nx * Math.min(nz - 1, j + 1), row = nx * j;
-          for (let i = 0; i < nx; ++i) {
-            const l = Math.max(0, i - 1), r = Math.min(nx - 1, i + 1), p = this.part;
-            field[row + i] = 0.5 * p[row + i] + 0.125 * (p[row + l] + p[row + r] + p[up + i] + p[down + i]);
-          }
+      part.set(field);
+      for (let j = 0; j < nz; ++j) {
+        const up = nx * Math.max(0, j - 1), down = nx * Math.min(nz - 1, j + 1), row = nx * j;
+        for (let i = 0; i < nx; ++i) {
+          const l = Math.max(0, i - 1), r = Math.min(nx - 1, i + 1);
+          field[row + i] = 0.5 * part[row + i] + 0.125 * (part[row + l] + part[row + r] + part[up + i] + part[down + i]);
         }
       }
     }

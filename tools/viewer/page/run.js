@@ -156,7 +156,7 @@ export function showTexts() {
   const bare = s?.people?.frames > 1 && !s.people.poses ? '; paths only, for poses run with --view' : '';
   const gone = show.run?.place?.problem ? `; the place cannot be shown: ${show.run.place.problem}` : '';
   const cut = `${s?.recorded && !s.recorded.whole ? '; the recording was cut off' : ''}${gone}`;
-  showState(stateOfPage(), s?.outcome && s.outcome !== 'running' ? s.outcome : '', `${waterOf}${bare}${cut}${s?.live?.problem ? `; ${s.live.problem}` : ''}`);
+  showState(stateOfPage(), s?.outcome && s.outcome !== 'running' ? s.outcome : '', `${waterOf}${bare}${cut}${[s?.live?.problem, s?.depths?.problem].filter(Boolean).map((text) => `; ${text}`).join('')}`);
   $('clock').textContent = `${show.time.toFixed(1)} / ${end.toFixed(1)} s`;
   const bar = $('time');
   bar.max = Math.max(end, 0.01);

@@ -121,7 +121,7 @@ function makeWater(message) {
   if (show.water) return;
   const bounds = show.scene ? null : boundsOf(message);
   if (bounds) frameCamera(bounds.x_max_m, bounds.z_max_m);
-  show.water = new Water(stage, show.scene, bounds, show.ground);
+  show.water = new Water(stage, show.scene, bounds, show.ground, show.ground ? show.run.place.gates : []);
   theme(show.dark);
   setWater();
 }
@@ -179,15 +179,15 @@ function look(kind) {
 function setWater() {
   if (!show.water) return;
   show.water.as($('form').value);
-  show.water.setMode($('mode').value === 'clear' && $('form').value === 'points' ? 'depth' : $('mode').value);
+  show.water.setMode($('mode').value);
   newLegend();
 }
 
 function newLegend() {
-  const legend = show.water?.legend(), key = legend && `${legend.name} ${legend.full} ${show.water.mode}`;
+  const water = show.water, legend = water?.legend(), key = legend && `${legend.name} ${legend.full} ${legend.isBeyond} ${water.mode} ${water.hasVelocity}`;
   if (!legend || key === show.legend) return;
   show.legend = key;
-  showLegend(legend, show.water.mode);
+  showLegend(legend, water.mode, water.hasVelocity);
 }
 
 // ---------------------------------------------------------------- questions
@@ -245,10 +245,11 @@ function drawPeople(step, clock) {
 function drawWater() {
   if (!show.status || !show.water) return;
   const live = show.live && [...buffer.water.live.values()].filter((m) => m.time <= show.time + 1e-6).pop();
+  const gates = show.water.shutGates(show.time);
   const { kind, before, after, share = 0 } = live ? { kind: 'water', before: live } : buffer.waterAt(show.time) ?? {};
   if (!before) return;
   const key = `${kind} ${before.frame} ${before.time} ${share}`;
-  if (key === show.waterKey) return;
+  if (key === show.waterKey && !gates) return;
   show.waterKey = key;
   if (kind === 'water') show.water.take(before.shows ?? before);
   else show.water.takeDepths(before, after, share);
@@ -323,11 +324,12 @@ async function picture(time) {
 
 // ---------------------------------------------------------------- hands
 
-// Where a person is seen, in pixels of the window.
-function seenAt(p) {
-  const v = place(p.x, p.y, p.z).project(camera);
+// Where a point of the scene is seen, in pixels of the window.
+function project(x, y, z) {
+  const v = place(x, y, z).project(camera);
   return [((v.x + 1) / 2) * innerWidth, ((1 - v.y) / 2) * innerHeight, v.z];
 }
+const seenAt = (p) => project(p.x, p.y, p.z);
 
 function pick(event) {
   let best = 28, found = -1;
@@ -400,7 +402,7 @@ on('run-step', 'click', () => stream.command('step'));
 
 /** For tests and for who drives the page from a script. */
 window.wade = {
-  show, select, look, theme, setPlaying, stream: () => stream,
+  show, project, select, look, theme, setPlaying, stream: () => stream,
   seek: (time) => (seek(time), (awake = 6)),
   picture, paint: () => paint(0),
   counts: () => show.counts ?? {},

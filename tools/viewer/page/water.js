@@ -21,17 +21,17 @@ export function roundUp(value) {
   return [1, 1.5, 2, 3, 5, 7.5, 10].find((step) => step * power >= value * 0.999) * power;
 }
 
+// Interpolated in sRGB, as the gradient of the legend is, so that a colour of the water is one of the legend.
 function paletteTexture() {
-  const data = new Uint8Array(2 * 64 * 4);
+  const data = new Uint8Array(2 * 256 * 4);
   ['depth', 'speed'].forEach((mode, row) => {
-    const colours = SCALES[mode].map((c) => new THREE.Color(c));
-    for (let k = 0; k < 64; ++k) {
-      const at = (k / 63) * (colours.length - 1), low = Math.min(Math.floor(at), colours.length - 2);
-      const c = colours[low].clone().lerp(colours[low + 1], at - low);
-      data.set([255 * c.r, 255 * c.g, 255 * c.b, 255], 4 * (row * 64 + k));
+    const colours = SCALES[mode].map((c) => [1, 3, 5].map((k) => parseInt(c.slice(k, k + 2), 16)));
+    for (let k = 0; k < 256; ++k) {
+      const at = (k / 255) * (colours.length - 1), low = Math.min(Math.floor(at), colours.length - 2);
+      data.set([...colours[low].map((c, axis) => Math.round(c + (at - low) * (colours[low + 1][axis] - c))), 255], 4 * (row * 256 + k));
     }
   });
-  const texture = new THREE.DataTexture(data, 64, 2);
+  const texture = new THREE.DataTexture(data, 256, 2);
   texture.magFilter = texture.minFilter = THREE.LinearFilter;
   texture.needsUpdate = true;
   return texture;
@@ -68,6 +68,10 @@ const SURFACE_FRAGMENT = `
   void main() {
     if (s.x < .012) discard;
     vec2 v = vec2(w.x, -w.y); float speed = length(v);
+    if (mode > .5) { // data: the colour of the legend, without light, haze, foam or what lies below
+      gl_FragColor = vec4(texture2D(palette, vec2(clamp((mode < 1.5 ? s.x : speed) / full, 0., 1.) * .99609375 + .001953125, mode < 1.5 ? .25 : .75)).rgb, 1.);
+      return;
+    }
     vec3 r = ripples(at.xz, v);
     float rough = .045 + .05 * min(speed, 3.);
     vec3 n = w.z > .5 ? vec3(0, 0, 1) : normalize(vec3(-s.y - rough * r.x, 1., s.z - rough * r.z));
@@ -77,21 +81,16 @@ const SURFACE_FRAGMENT = `
     float fresnel = .02 + .98 * pow(1. - facing, 5.);
     vec3 up = reflect(-eye, n);
     vec3 mirror = mix(horizon, sky, pow(clamp(up.y, 0., 1.), .6));
-    float value = mode < 1.5 ? s.x : speed;
-    float row = mode < 1.5 ? .25 : .75;
-    vec3 clear = mix(vec3(.21, .47, .47), vec3(.012, .15, .25), 1. - exp(-1.3 * s.x));
-    vec3 body = mode < .5 ? clear : texture2D(palette, vec2(clamp(value / full, 0., 1.) * .984 + .008, row)).rgb;
+    vec3 body = mix(vec3(.21, .47, .47), vec3(.012, .15, .25), 1. - exp(-1.3 * s.x));
     float lit = .62 + .5 * max(0., dot(n, sun));
     vec3 colour = body * lit * light;
-    float alpha = mode < .5 ? mix(.38, .86, 1. - exp(-1.1 * s.x)) : .84;
-    if (mode < .5) {
-      colour = mix(colour, mirror, w.z > .5 ? .06 : fresnel * .8);
-      float glint = pow(max(0., dot(up, sun)), 180.) * 1.6;
-      colour += sunColour * glint * light * (w.z > .5 ? 0. : 1.);
-    }
+    float alpha = mix(.38, .86, 1. - exp(-1.1 * s.x));
+    colour = mix(colour, mirror, w.z > .5 ? .06 : fresnel * .8);
+    float glint = pow(max(0., dot(up, sun)), 180.) * 1.6;
+    colour += sunColour * glint * light * (w.z > .5 ? 0. : 1.);
     float foam = clamp(s.w, 0., 1.);
     float patchy = smoothstep(.62 - .45 * foam, .8 - .3 * foam, r.y + .12 * noise(at.xz * 9. - v * time * .5));
-    float white = foam * patchy * (mode < .5 ? .85 : .3);
+    float white = foam * patchy * .85;
     colour = mix(colour, vec3(.93, .97, .98) * light, white);
     alpha = max(alpha, white) * smoothstep(.012, .09, s.x);
     alpha = mix(alpha, 1., w.z > .5 ? 0. : fresnel * .5);
@@ -107,19 +106,23 @@ const POINT_VERTEX = `
     gl_Position = projectionMatrix * p; gl_PointSize = max(1.5, projectionMatrix[3][3] > .5 ? size * projectionMatrix[1][1] * scale : size * projectionMatrix[1][1] * scale / -p.z); }`;
 
 const POINT_FRAGMENT = `
-  varying float v; uniform sampler2D palette; uniform float row, light;
+  varying float v; uniform sampler2D palette; uniform float row, light, mode;
   void main() { vec2 d = 2. * gl_PointCoord - 1.; float r = dot(d, d); if (r > 1.) discard;
+    if (mode > .5) { gl_FragColor = vec4(texture2D(palette, vec2(v * .99609375 + .001953125, row)).rgb, 1.); return; }
     float shade = .72 + .38 * dot(normalize(vec3(d.x, -d.y, sqrt(1. - r))), normalize(vec3(.4, .8, .45)));
-    gl_FragColor = vec4(texture2D(palette, vec2(v * .984 + .008, row)).rgb * shade * light, 1.);
+    gl_FragColor = vec4(vec3(.05, .23, .42) * shade * light, 1.);
     #include <colorspace_fragment>
   }`;
 
 export class Water {
-  /** ground: of a place, else null. */
-  constructor(parent, scene, bounds, ground) {
+  /** ground: of a place, else null; gates: with their lines and the times at which they open, s. */
+  constructor(parent, scene, bounds, ground, gates = []) {
     this.scene = scene;
     this.ground = ground;
-    this.most = { depth: 0, speed: 0 }; // of a place, of what was shown so far
+    this.most = { depth: 0, speed: 0 }; // of what was shown so far
+    this.gates = gates;
+    this.isBeyond = false; // a point has a speed above the last colour
+    this.hasVelocity = true; // of the water that is shown
     this.inColumns = Boolean(ground) && scene.fluid.model !== 'dfsph'; // the particles of a message are columns as wide as cells
     this.spacing = (this.inColumns ? scene.fluid.shallow_water.cell_size_m : scene?.fluid?.particle_spacing_m) ?? bounds?.spacing ?? 0.5;
     const c = scene?.channel ?? bounds;
@@ -144,22 +147,9 @@ export class Water {
   makeSurface(parent) {
     const { nx, nz } = this.grid, extra = this.fall ? FALL_ROWS : 0, columns = nx + extra, skirt = 2 * (2 * nx + nz);
     this.rowLength = columns; // vertices of a row of the sheet
-    const count = columns * nz + skirt, index = [];
-    for (let j = 0; j + 1 < nz; ++j)
-      for (let i = 0; i + 1 < columns; ++i) {
-        const a = j * columns + i, b = a + columns;
-        index.push(a, b, a + 1, a + 1, b, b + 1);
-      }
-    let at = columns * nz;
-    for (const length of [nx, nx, nz]) {
-      for (let k = 0; k + 1 < length; ++k) {
-        const a = at + 2 * k;
-        index.push(a, a + 1, a + 2, a + 2, a + 1, a + 3);
-      }
-      at += 2 * length;
-    }
+    const count = columns * nz + skirt;
+    this.even = new Float32Array(nx * nz); // depths of the surface as it is drawn
     const geometry = new THREE.BufferGeometry();
-    geometry.setIndex(index);
     const buffer = (size) => new THREE.BufferAttribute(new Float32Array(size * count), size).setUsage(THREE.DynamicDrawUsage);
     geometry.setAttribute('position', buffer(3));
     geometry.setAttribute('state', buffer(4));
@@ -171,6 +161,64 @@ export class Water {
     this.surface.frustumCulled = false;
     this.surface.renderOrder = 5;
     parent.add(this.surface);
+    this.shutGates(Infinity);
+  }
+
+  /** Cuts the sheet along the gates that are closed at a time, where it ends on both sides; true if that has changed. */
+  shutGates(time) {
+    const closed = this.gates.filter((gate) => time < gate.opens_at), { nx, nz, x0, z0, cell } = this.grid;
+    if (closed.length === this.closed) return false;
+    this.closed = closed.length;
+    this.cut = { right: new Uint8Array(nx * nz), down: new Uint8Array(nx * nz) }; // a gate lies between a cell and its neighbour
+    this.moved = new Map(); // cell beside a gate -> the nearest point of the gate
+    const centre = (c) => [x0 + cell * ((c % nx) + 0.5), z0 + cell * (Math.floor(c / nx) + 0.5)];
+    const cross = (a, b, p) => (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    for (const { line } of closed)
+      line.slice(1).forEach((b, k) => {
+        const a = line[k], length2 = (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2;
+        const range = (axis, first, n) => [Math.min(a[axis], b[axis]), Math.max(a[axis], b[axis])].map((v, end) => Math.min(n - 1, Math.max(0, Math.floor((v - first) / cell) + (end ? 1 : -1))));
+        const [i0, i1] = range(0, x0, nx), [j0, j1] = range(1, z0, nz);
+        for (let j = j0; j <= j1; ++j)
+          for (let i = i0; i <= i1; ++i)
+            for (const [side, other, is] of [['right', 1, i + 1 < nx], ['down', nx, j + 1 < nz]]) {
+              const c = j * nx + i;
+              if (!is) continue;
+              const p = centre(c), q = centre(c + other);
+              if (cross(a, b, p) * cross(a, b, q) > 0 || cross(p, q, a) * cross(p, q, b) > 0) continue;
+              this.cut[side][c] = 1;
+              for (const [one, m] of [[c, p], [c + other, q]]) {
+                const share = Math.min(1, Math.max(0, ((m[0] - a[0]) * (b[0] - a[0]) + (m[1] - a[1]) * (b[1] - a[1])) / length2));
+                this.moved.set(one, [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]);
+              }
+            }
+      });
+    this.surface.geometry.setIndex(this.triangles());
+    return true;
+  }
+
+  // Of the sheet, without those that a gate divides, and of the faces at the sides.
+  triangles() {
+    const { nx, nz } = this.grid, extra = this.rowLength - nx, index = [], { right, down } = this.cut;
+    for (let j = 0; j + 1 < nz; ++j)
+      for (let i = 0; i + 1 < this.rowLength; ++i) {
+        const a = j * this.rowLength + i, b = a + this.rowLength, c = j * nx + i - extra;
+        const cuts = i < extra ? [0, 0, 0, 0] : [right[c], down[c + 1], right[c + nx], down[c]]; // round the four corners
+        const [up, east, low, west] = cuts, many = up + east + low + west;
+        if (many === 0) index.push(a, b, a + 1, a + 1, b, b + 1);
+        else if (many === 2 && west && up) index.push(a + 1, b, b + 1);
+        else if (many === 2 && up && east) index.push(a, b, b + 1);
+        else if (many === 2 && east && low) index.push(a, b, a + 1);
+        else if (many === 2 && low && west) index.push(a, b + 1, a + 1);
+      }
+    let at = this.rowLength * nz;
+    for (const length of [nx, nx, nz]) {
+      for (let k = 0; k + 1 < length; ++k) {
+        const a = at + 2 * k;
+        index.push(a, a + 1, a + 2, a + 2, a + 1, a + 3);
+      }
+      at += 2 * length;
+    }
+    return index;
   }
 
   makePoints(parent) {
@@ -199,14 +247,16 @@ export class Water {
   /** Particles as they came. */
   take(message) {
     this.message = message;
+    this.hasVelocity = true;
     const grid = this.grid;
     const [x, , z, vx, , vz, volume] = message.arrays;
     if (this.inColumns && message.stride === 1) {
       grid.fill(message.count, (k) => [x[k], z[k], volume[k], vx[k], vz[k]]);
     } else {
       grid.splat(message.arrays, message.count, 1.35 * this.spacing * Math.cbrt(message.stride));
-      grid.smooth(3);
+      grid.smooth(grid.depth, 3);
     }
+    this.even.set(grid.depth);
     this.time = message.time;
     this.refresh();
   }
@@ -214,13 +264,16 @@ export class Water {
   /** Depths of a snapshot, or those `share` of the way to the next one; there are no particles then. */
   takeDepths(first, next, share) {
     this.message = null;
+    this.hasVelocity = false;
     const message = share > 0 ? { ...first, arrays: [first.arrays[0].map((d, k) => d + share * (next.arrays[0][k] - d))], time: first.time + share * (next.time - first.time) } : first;
     const { columns, cell, x0, z0 } = message, depth = message.arrays[0];
     if (this.inColumns && cell <= 1.01 * this.grid.cell) {
       this.grid.fill(message.count, (k) => [x0 + cell * ((k % columns) + 0.5), z0 + cell * (Math.floor(k / columns) + 0.5), depth[k] * cell * cell, 0, 0]);
+      this.even.set(this.grid.depth);
     } else {
       this.grid.resample(message, this.stream);
-      this.grid.smooth(4);
+      this.even.set(this.grid.depth);
+      this.grid.smooth(this.even, 4);
     }
     this.time = message.time;
     this.refresh();
@@ -231,28 +284,29 @@ export class Water {
     this.refresh();
   }
 
-  /** What the legend says: the name, the unit, and the value of the last colour. */
+  /** What the legend says: the name, the unit, and the value of the last colour, at least the largest that was shown so far. */
   legend() {
-    if (this.ground) {
-      const fast = this.mode === 'speed';
-      return { name: fast ? 'speed of the water' : 'depth of the water', unit: fast ? 'm/s' : 'm', full: roundUp(Math.max(fast ? this.most.speed : this.most.depth, 0.1)) };
-    }
-    const named = (this.scene?.channel?.water_blocks ?? []).map((b) => b.depth_m).concat(this.scene?.channel?.flow !== 'closed' ? [this.scene?.channel?.depth_m ?? 1] : []);
-    const depth = roundUp(1.5 * Math.max(...named.filter(Number.isFinite), 0.1)), speed = roundUp(2 * Math.max(this.stream, 0.5));
-    return this.mode === 'speed' ? { name: 'speed of the water', unit: 'm/s', full: speed } : { name: 'depth of the water', unit: 'm', full: depth };
+    const isSpeed = this.mode === 'speed', channel = this.scene?.channel;
+    const named = this.ground ? [0.1] : (channel?.water_blocks ?? []).map((b) => b.depth_m).concat(channel?.flow !== 'closed' ? [channel?.depth_m ?? 1] : []);
+    const least = this.ground ? 0.1 : isSpeed ? 2 * Math.max(this.stream, 0.5) : 1.5 * Math.max(...named.filter(Number.isFinite), 0.1);
+    const full = roundUp(Math.max(least, this.most[isSpeed ? 'speed' : 'depth']));
+    return isSpeed ? { name: 'speed of the water', unit: 'm/s', full, isBeyond: this.isBeyond } : { name: 'depth of the water', unit: 'm', full };
   }
 
-  /** The scale of a place grows with what 95 of 100 wet cells have had so far. */
+  /** The scale grows with the largest values of wet cells, so that no colour stands for what is beyond it. */
   grow() {
-    const { depth, vx, vz } = this.grid, wet = Array.from(depth.keys()).filter((c) => depth[c] > 0.01);
-    const usual = (values) => values.sort((a, b) => a - b)[Math.floor(0.95 * values.length)] ?? 0;
-    this.most.depth = Math.max(this.most.depth, usual(wet.map((c) => depth[c])));
-    this.most.speed = Math.max(this.most.speed, usual(wet.map((c) => Math.hypot(vx[c], vz[c]))));
+    const { depth, vx, vz } = this.grid;
+    for (let c = 0; c < depth.length; ++c) {
+      if (!(depth[c] > 0.012)) continue;
+      this.most.depth = Math.max(this.most.depth, depth[c]);
+      if (this.hasVelocity) this.most.speed = Math.max(this.most.speed, Math.hypot(vx[c], vz[c]));
+    }
   }
 
   refresh() {
-    if (this.ground) this.grow();
-    this.uniforms.mode.value = { clear: 0, depth: 1, speed: 2 }[this.mode];
+    this.grow();
+    const mode = this.mode === 'speed' && !this.hasVelocity ? 'clear' : this.mode;
+    this.uniforms.mode.value = { clear: 0, depth: 1, speed: 2 }[mode];
     this.uniforms.full.value = this.legend().full;
     this.bytes = 0;
     if (this.form === 'points' && this.message) this.refreshPoints();
@@ -264,7 +318,9 @@ export class Water {
     ['px', 'py', 'pz'].forEach((name, k) => this.upload(geometry, name, m.arrays[k]));
     const value = this.values?.length === m.count ? this.values : (this.values = new Float32Array(m.count));
     const [x, , z, vx, vy, vz] = m.arrays, fast = this.mode === 'speed';
+    this.isBeyond = false;
     for (let i = 0; i < m.count; ++i) value[i] = fast ? Math.hypot(vx[i], vy[i], vz[i]) : this.grid.at(x[i], z[i]);
+    if (fast) this.isBeyond = value.some((v) => v > this.uniforms.full.value);
     this.upload(geometry, 'value', value);
     geometry.setDrawRange(0, m.count);
     this.points.material.uniforms.row.value = fast ? 0.75 : 0.25;
@@ -286,8 +342,8 @@ export class Water {
   }
 
   refreshSurface() {
-    const { nx, nz, x0, z0, cell, depth, vx, vz, bed, part: level } = this.grid, extra = this.rowLength - nx, g = this.gravity;
-    this.levels(level);
+    const { nx, nz, x0, z0, cell, vx, vz, bed, part: level } = this.grid, extra = this.rowLength - nx, g = this.gravity, { right, down: below } = this.cut;
+    const depth = this.levels(level);
     const { position, state, stream } = this.surface.geometry.attributes;
     const p = position.array, s = state.array, w = stream.array;
     const set = (k, x, y, z, d, sx, sz, foam, u, v, side) => {
@@ -300,21 +356,26 @@ export class Water {
     for (let j = 0; j < nz; ++j) {
       const up = nx * Math.max(0, j - 1), down = nx * Math.min(nz - 1, j + 1), row = nx * j, z = edgeZ(j);
       for (let i = 0; i < nx; ++i) {
-        const l = Math.max(0, i - 1), r = Math.min(nx - 1, i + 1), c = row + i, d = depth[c];
-        const sx = (level[row + r] - level[row + l]) / (cell * (r - l)), sz = (level[down + i] - level[up + i]) / (2 * cell);
-        const steep = Math.hypot(sx, sz), fast = Math.hypot(vx[c], vz[c]) / Math.sqrt(g * Math.max(d, 0.05));
+        const c = row + i, d = depth[c], west = i > 0 && !right[c - 1] ? c - 1 : c, east = i + 1 < nx && !right[c] ? c + 1 : c;
+        const north = j > 0 && !below[c - nx] ? up + i : c, south = j + 1 < nz && !below[c] ? down + i : c;
+        const sx = (level[east] - level[west]) / (cell * Math.max(1, east - west)), sz = (level[south] - level[north]) / (2 * cell);
+        const steep = Math.hypot(sx, sz), fast = this.hasVelocity ? Math.hypot(vx[c], vz[c]) / Math.sqrt(g * Math.max(d, 0.05)) : 0;
         const thin = this.ground ? 0 : Math.max(0, 0.45 - 4 * d), slow = this.ground ? 0.5 : 0.22;
         const foam = Math.min(0.85, Math.max(0, 1.1 * (steep - slow)) + Math.min(0.25, Math.max(0, 0.12 * (fast - 1))) + thin);
         set(j * this.rowLength + extra + i, edgeX(i), level[c], z, d, sx, sz, foam, vx[c], vz[c], 0);
       }
-      for (let k = 1; k <= extra; ++k) { // over the edge: a jet that falls freely
+      for (let k = 1; k <= extra; ++k) { // over the edge: a jet that falls freely, which is no data
         const t = k * FALL_STEP_S * Math.sqrt(9.81 / Math.max(g, 0.2)) * (g < 5 ? 0.45 : 1), d = depth[row], u = Math.max(0.6, -vx[row]);
-        set(j * this.rowLength + extra - k, x0 - u * t, d - 0.5 * Math.max(g, 4) * t * t, z, d, -2, 0, Math.min(0.95, 0.25 + 0.07 * k), vx[row] - 2, 0, 0);
+        set(j * this.rowLength + extra - k, x0 - u * t, d - 0.5 * Math.max(g, 4) * t * t, z, this.uniforms.mode.value > 0 ? 0 : d, -2, 0, Math.min(0.95, 0.25 + 0.07 * k), vx[row] - 2, 0, 0);
       }
+    }
+    for (const [c, [x, z]] of this.moved) {
+      const k = Math.floor(c / nx) * this.rowLength + extra + (c % nx);
+      p[3 * k] = x, p[3 * k + 2] = -z;
     }
     let at = this.rowLength * nz;
     const face = (c, x, z) => {
-      for (const y of [bed[c] + depth[c], bed[c]]) set(at++, x, y, z, depth[c], 0, 0, 0, vx[c], vz[c], 1);
+      for (const y of [bed[c] + this.even[c], bed[c]]) set(at++, x, y, z, depth[c], 0, 0, 0, vx[c], vz[c], 1);
     };
     for (let i = 0; i < nx; ++i) face(i, edgeX(i), z0);
     for (let i = 0; i < nx; ++i) face((nz - 1) * nx + i, edgeX(i), z0 + cell * nz);
@@ -325,22 +386,33 @@ export class Water {
     }
   }
 
-  /** Heights of the surface. Where it is dry beside water in a place the sheet goes on level below the ground, which hides its end. */
+  /**
+   * Heights of the surface; returns the depths that are drawn. Where it is dry beside water in a place the sheet goes on level below
+   * the ground, which hides its end, but not past a gate. The part of the wet cells' triangles there is drawn: thinner and thinner
+   * where the water is clear, else in the colour of the wet cells.
+   */
   levels(level) {
-    const { nx, nz, depth, bed } = this.grid;
-    for (let c = 0; c < depth.length; ++c) level[c] = bed[c] + depth[c];
-    if (!this.ground) return;
+    const { nx, nz, depth, bed } = this.grid, { right, down } = this.cut;
+    for (let c = 0; c < depth.length; ++c) level[c] = bed[c] + this.even[c];
+    if (!this.ground) return depth;
+    const drawn = (this.drawn ??= new Float32Array(depth.length)), isData = this.uniforms.mode.value > 0;
+    drawn.set(depth);
     for (let j = 0; j < nz; ++j)
       for (let i = 0; i < nx; ++i) {
-        const c = j * nx + i;
+        const c = j * nx + i, isBeside = this.moved.has(c);
         if (depth[c] > 0.01) continue;
-        let sum = 0, n = 0;
+        let sum = 0, deep = 0, n = 0;
         for (let b = Math.max(0, j - 1); b <= Math.min(nz - 1, j + 1); ++b)
-          for (let a = Math.max(0, i - 1); a <= Math.min(nx - 1, i + 1); ++a)
-            if (depth[b * nx + a] > 0.01) (sum += bed[b * nx + a] + depth[b * nx + a]), ++n;
+          for (let a = Math.max(0, i - 1); a <= Math.min(nx - 1, i + 1); ++a) {
+            const o = b * nx + a;
+            if (!(depth[o] > 0.01)) continue;
+            const isCut = a === i ? down[Math.min(c, o)] : b === j ? right[Math.min(c, o)] : isBeside;
+            if (!isCut) (sum += bed[o] + depth[o]), (deep += depth[o]), ++n;
+          }
         level[c] = n ? Math.min(bed[c] - 0.02, sum / n) : bed[c] - 0.1;
-        if (n) depth[c] = 0.0125 * (depth[c] >= 0); // so that its part in the wet cells' triangles is drawn
+        if (n) drawn[c] = isData ? deep / n : 0.0125;
       }
+    return drawn;
   }
 
   animate(seconds, scale) {
