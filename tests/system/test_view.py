@@ -8,16 +8,19 @@ import io
 import json
 import os
 import random
+import re
 import signal
 import socket
+import sqlite3
 import struct
 import subprocess
 import unittest
+import unittest.mock
 import urllib.error
 import urllib.request
 from pathlib import Path
 
-from harness import BASIN, CLIENT, ENDLESS, PROGRAMS, SERVER as WATER, SystemTest, wait_until
+from harness import BASIN, CLIENT, ENDLESS, PROGRAMS, SERVER as WATER, SystemTest, command_of, wait_until
 
 from wade import view
 from wade.outside import works
@@ -32,11 +35,12 @@ HEAD = struct.Struct("<4sIIIddIIfffI")  # tools/viewer/README.md
 class Socket:
     """A client of the WebSocket, the least that talks to the server."""
 
-    def __init__(self, port, headers=()):
+    def __init__(self, port, headers=(), key=""):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
-        key = base64.b64encode(os.urandom(16)).decode()
+        nonce = base64.b64encode(os.urandom(16)).decode()
         lines = [f"GET /stream HTTP/1.1\r\nHost: 127.0.0.1:{port}", "Upgrade: websocket", "Connection: Upgrade",
-                 f"Sec-WebSocket-Key: {key}", "Sec-WebSocket-Version: 13", *headers]
+                 f"Sec-WebSocket-Key: {nonce}", "Sec-WebSocket-Version: 13",
+                 f"Cookie: a=b; wade_{port}={key}", *headers]
         self.socket.sendall(("\r\n".join(lines) + "\r\n\r\n").encode())
         self.stream = self.socket.makefile("rb")
         self.answer = self.stream.readline().decode()
@@ -108,11 +112,12 @@ class ViewTest(SystemTest):
         wait_until(lambda: "\n" in address() or not program.running(), "the address")
         self.assertTrue(program.running(), program.messages())
         program.address = address().strip()
-        program.port = int(program.address.rsplit(":", 1)[1].strip("/"))
+        port, program.key = re.fullmatch(r"http://127.0.0.1:(\d+)/\?key=([0-9a-f]{32})", program.address).groups()
+        program.port = int(port)
         return program
 
     def connect(self, program, **options):
-        client = Socket(program.port, **options)
+        client = Socket(program.port, key=program.key, **options)
         self.addCleanup(client.close)
         return client
 
@@ -122,7 +127,9 @@ class ViewTest(SystemTest):
         return client.run
 
     def fetch(self, program, path):
-        with urllib.request.urlopen(f"http://127.0.0.1:{program.port}{path}", timeout=30) as answer:
+        request = urllib.request.Request(f"http://127.0.0.1:{program.port}{path}",
+                                         headers={"Cookie": f"wade_{program.port}={program.key}"})
+        with urllib.request.urlopen(request, timeout=30) as answer:
             return answer.read()
 
 
@@ -330,7 +337,7 @@ class Strangers(ViewTest):
                 if k % 4 == 0:
                     self.assertNotIn(b"root:", stranger.recv(200))
         for k in range(60):  # broken sockets in the midst of the stream
-            client = Socket(program.port)
+            client = Socket(program.port, key=program.key)
             client.send(chance.choice([b"{", b"[]", b'{"get":1}', b'{"get":"people","after":1e999}', b"\xff\xfe", b"x" * 4000,
                                        b'{"get":"water","t":"x"}', b'{"get":"command","line":"tau 1\\ntau 0"}']), chance.choice([1, 2]))
             if k % 3 == 0:
@@ -340,6 +347,113 @@ class Strangers(ViewTest):
         self.assertIn(b"<title>Wade</title>", self.fetch(program, "/"))
         self.assertIn("status", self.connect(program).message())
         self.assertEqual(program.messages(), "")
+
+    def test_a_folder_of_a_stranger_is_refused_file_by_file(self):
+        names = ("outcome.json", "manifest.json", "agents.csv", "events.jsonl", "poses.csv", "terms.csv", "trajectories.sqlite",
+                 "water.bin")
+        fifos = self.folder / "fifos"
+        fifos.mkdir()
+        for name in names:
+            os.mkfifo(fifos / name)
+        program = self.view("--run", fifos)
+        self.assertEqual(set(json.loads(self.fetch(program, "/run.json"))["files"].values()), {""})
+        client = self.connect(program)
+        status = client.status()
+        self.assertEqual((status["people"]["frames"], status["depths"]["frames"]), (0, 0))
+        os.mkfifo(fifos / "x.wrec")
+        self.assert_ends(self.start(SERVER, "--page", view.PAGE, "--three", self.three(), "--recording", fifos / "x.wrec"), 2,
+                         "it is a pipe (FIFO)")
+
+        def water(columns, rows, cell=0.5, times=(0.0, 1.0)):
+            head = b"WADEWAT1" + struct.pack("<IIddd", columns, rows, cell, 0, 0)
+            return head.ljust(64, b"\0") + b"".join(struct.pack("<qd", 0, time) + bytes(2 * 12) for time in times)
+
+        nan = float("nan")
+        for content, frames in ((water(4, 3), 2), (water(0, 0), 0), (water(0, 3), 0), (water(2**32 - 1, 2**32 - 1), 0),
+                                (water(2**31, 2**31 + 2**29), 0), (water(65536, 65536), 0), (water(4, 3, 0), 0),
+                                (water(4, 3, nan), 0), (water(4, 3, -1), 0), (water(4, 3, times=(0.0, nan)), 1),
+                                (water(4, 3, times=(1.0, 0.0)), 1), (b"x" * 100, 0)):
+            folder = self.folder / f"water{content.__hash__()}"
+            folder.mkdir()
+            (folder / "water.bin").write_bytes(content)
+            client = self.connect(self.view("--run", folder))
+            status = client.status()["depths"]
+            self.assertEqual(status["frames"], frames)
+            self.assertEqual(frames < 2, "water.bin is refused" in status["problem"], status)
+            if frames:
+                self.assertEqual(client.get(get="depths", t=9)[0][2], 12)
+
+        view_of_itself = self.folder / "endless"
+        view_of_itself.mkdir()
+        with contextlib.closing(sqlite3.connect(view_of_itself / "trajectories.sqlite")) as database:
+            database.executescript("CREATE TABLE metadata(key, value); INSERT INTO metadata VALUES ('fps', 10);"
+                                   "CREATE VIEW trajectory_data AS WITH RECURSIVE t(frame) AS (SELECT 1 UNION ALL SELECT frame + 1 "
+                                   "FROM t) SELECT frame, 1 AS id, 1 AS pos_x, 1 AS pos_y, 0 AS ori_x, 0 AS ori_y FROM t;")
+        self.assertIn("status", self.connect(self.view("--run", view_of_itself)).message())
+
+    def test_other_users_get_nothing_without_the_key(self):
+        folder = self.folder / "run"
+        folder.mkdir()
+        program = self.view("--run", folder, "--starts")
+
+        def asked(path, cookie="a=b"):
+            request = urllib.request.Request(f"http://127.0.0.1:{program.port}{path}", headers={"Cookie": cookie})
+            try:
+                with urllib.request.urlopen(request, timeout=30) as answer:
+                    return answer.status, answer.headers
+            except urllib.error.HTTPError as refused:
+                refused.close()
+                return refused.code, refused.headers
+
+        wrong = "0" * 32
+        for path in ("/", "/run.json", "/viewer.js", f"/?key={wrong}", "/?key=", "/?key"):
+            for cookie in ("a=b", f"wade_{program.port}={wrong}", f"wade_{program.port}=", f"xwade_{program.port}={program.key}"):
+                code, headers = asked(path, cookie)
+                self.assertEqual((code, headers["Set-Cookie"]), (403, None), f"{path} {cookie}")
+        stranger = Socket(program.port, key=wrong)
+        self.addCleanup(stranger.close)
+        self.assertIn("403", stranger.answer)
+        code, headers = asked(f"/?key={program.key}")
+        self.assertEqual((code, headers["Set-Cookie"]),
+                         (200, f"wade_{program.port}={program.key}; HttpOnly; SameSite=Strict; Path=/"))
+        self.assertIn("frame-ancestors 'none'", headers["Content-Security-Policy"])
+        self.assertEqual(asked("/", headers["Set-Cookie"].split(";")[0])[0], 200)
+
+    def test_half_open_connections_shut_nobody_out(self):
+        folder = self.folder / "run"
+        folder.mkdir()
+        program = self.view("--run", folder, "--starts")
+        for k in range(300):
+            half = socket.create_connection(("127.0.0.1", program.port), timeout=30)
+            self.addCleanup(half.close)
+            if k % 2:
+                half.sendall(b"GET / HTTP/1.1\r\n")
+        self.assertIn(b"<title>Wade</title>", self.fetch(program, "/"))
+        self.assertIn("status", self.connect(program).message())
+
+    def test_the_page_is_opened_by_a_file_of_its_owner_and_its_key_stands_on_no_command_line(self):
+        folder = self.folder / "run"
+        folder.mkdir()
+        (folder / "outcome.json").write_text("{}")
+        with unittest.mock.patch.object(view, "install_modules", self.modules), \
+                unittest.mock.patch.object(view, "BUILD", PROGRAMS):
+            server = view.Server("--run", folder, folder=folder)
+        opener = folder.resolve() / "view.html"
+        self.assertIn(f"opened by {opener.as_uri()}", str(server))
+        self.assertEqual(opener.stat().st_mode & 0o777, 0o600)
+        address, key = server.address.split("?key=")
+        self.assertIn(f"{address}?key={key}", opener.read_text())
+        self.assertNotIn(key, str(server) + command_of(server.process.pid))
+        server.end()
+        server.process.stdout.close()
+        self.assertFalse(opener.exists())
+
+    def modules(self):
+        node = self.folder / "node_modules"
+        if not node.exists():
+            node.mkdir()
+            self.three().rename(node / "three")
+        return self.folder
 
     def test_other_sites_get_nothing(self):
         folder = self.folder / "run"
@@ -438,7 +552,7 @@ class Page(ViewTest):
         options = argparse.Namespace(eye=(2, 2, -6), look=(12, 0, 5), colour="depth", width_px=320, height_px=180, panels=False,
                                      rate_hz=5)
         for folder, times in ((run.folder, [1.0, 2.0, 3.0]), (self.folder / "place", [1.0, 2.0, 4.0])):
-            address = f"http://127.0.0.1:{self.view('--run', folder, three=three).port}/"
+            address = self.view('--run', folder, three=three).address
             for name in ("film.webp", "still.png"):
                 film.write_seen(address, times, options, self.folder / name)
             with Image.open(self.folder / "film.webp") as moving, Image.open(self.folder / "still.png") as still:
@@ -461,7 +575,7 @@ class Page(ViewTest):
         options = argparse.Namespace(eye=(65, 3.2, 0.5), look=(73, 0.4, 10), colour="clear", width_px=1200, height_px=640,
                                      panels=True, rate_hz=5)
         made = Path(os.environ.get("WADE_VIEW_PICTURES", self.folder)) / "river_s05.png"
-        film.write_seen(f"http://127.0.0.1:{program.port}/", [7.5], options, made)
+        film.write_seen(program.address, [7.5], options, made)
         with Image.open(made) as drawn:
             now = drawn.convert("RGB").quantize(256)
         now.save(made, optimize=True)

@@ -1,11 +1,12 @@
 // Pictures of the viewer's page at given times, one PNG after another on stdout: tools/wade film --eye.
-// node film.mjs MODULES URL OPTIONS; OPTIONS is JSON: times (s), width, height (pixels), hash (of the page), bare (no panels),
+// node film.mjs MODULES; JSON on stdin: url (with the key of the page), times (s), width, height (pixels), hash (of the page), bare (no panels),
 // browser (the program).
 
+import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
 
-const [modules, url, text] = process.argv.slice(2), options = JSON.parse(text);
+const [modules] = process.argv.slice(2), options = JSON.parse(fs.readFileSync(0));
 const { chromium } = createRequire(path.join(path.resolve(modules), 'x'))('playwright-core');
 const browser = await chromium.launch({
   executablePath: options.browser, args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
@@ -17,7 +18,7 @@ try {
     console.error(error.message);
     process.exitCode = 1;
   });
-  await page.goto(`${url}#still&play=0&${options.hash}`);
+  await page.goto(`${options.url}#still&play=0&${options.hash}`);
   await page.waitForFunction(() => window.wade, null, patient);
   for (const time of options.times) {
     const drawn = await page.evaluate((t) => wade.picture(t), time);

@@ -178,6 +178,8 @@ class RunFolder {
     // A small text file of the folder, "" if it is not there.
     [[nodiscard]] std::string text_of(const std::string& name) const;
     [[nodiscard]] const std::filesystem::path& path() const { return folder_; }
+    // Why water.bin is not shown, empty if it is.
+    [[nodiscard]] const std::string& water_problem() const { return water_problem_; }
 
  private:
     void look_at_paths();
@@ -190,6 +192,7 @@ class RunFolder {
     std::uint32_t columns_ = 0, rows_ = 0;  // of water.bin
     double cell_ = 0, x0_ = 0, z0_ = 0;
     std::vector<double> snapshot_times_;
+    std::string water_problem_;
     unsigned looks_ = 0;
 };
 

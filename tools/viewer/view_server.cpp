@@ -190,7 +190,9 @@ class Show {
                            {"last", people > 0 ? folder_->people_time(people - 1) : 0},
                            {"rate", people > 1 ? 1 / (folder_->people_time(1) - folder_->people_time(0)) : 1},
                            {"poses", folder_->has_poses()}};
-            s["depths"] = {{"frames", depths}, {"last", depths > 0 ? folder_->snapshot_time(depths - 1) : 0}};
+            s["depths"] = {{"frames", depths},
+                           {"last", depths > 0 ? folder_->snapshot_time(depths - 1) : 0},
+                           {"problem", folder_->water_problem()}};
             s["changes"] = folder_->changes().size();
             const Json outcome = parsed(folder_->text_of("outcome.json"));
             s["outcome"] = outcome.contains("status") ? outcome["status"] : "";
@@ -306,7 +308,7 @@ int main(int argc, char** argv) {
         site.status = [&] { return show.status(); };
         site.work = [&] { return show.work(); };
         serve(static_cast<std::uint16_t>(o.port), site,
-              [](std::uint16_t port) { std::cout << "http://127.0.0.1:" << port << "/" << std::endl; });
+              [](const std::string& address) { std::cout << address << std::endl; });
         return 0;
     });
 }

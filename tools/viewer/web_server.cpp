@@ -1,5 +1,6 @@
 #include "tools/viewer/web_server.hpp"
 
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <sys/types.h>
 #include <wslay/wslay.h>
@@ -110,6 +111,48 @@ bool is_from_here(const Request& request, std::uint16_t port) {
     return known && (origin.empty() || origin == "http://" + host);
 }
 
+// 128 random bits as hexadecimal digits.
+std::string random_key() {
+    std::array<unsigned char, 16> bytes;
+    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
+        throw ConfigurationError("no random numbers for the key of the page.");
+    std::string key;
+    for (const unsigned char byte : bytes)
+        for (const int digit : {byte >> 4, byte & 15}) key += "0123456789abcdef"[digit];
+    return key;
+}
+
+// Compares texts in a time that does not depend on where they differ.
+bool is_equal(std::string_view a, std::string_view b) {
+    unsigned char difference = a.size() == b.size() ? 0 : 1;
+    for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+        difference = static_cast<unsigned char>(difference | (a[k] ^ b[k]));
+    return difference == 0;
+}
+
+// Browsers send cookies to all ports of a host, so that the name of this one holds the port.
+std::string cookie_name(std::uint16_t port) {
+    return "wade_" + std::to_string(port);
+}
+
+// Whether the cookies of a request, "name=value; name=value", hold the key.
+bool has_key(std::string_view cookies, std::uint16_t port, std::string_view key) {
+    const std::string wanted = cookie_name(port) + "=";
+    while (!cookies.empty()) {
+        const std::size_t end = std::min(cookies.find(';'), cookies.size());
+        std::string_view one = cookies.substr(0, end);
+        one.remove_prefix(std::min(one.find_first_not_of(' '), one.size()));
+        if (one.starts_with(wanted) && is_equal(one.substr(wanted.size()), key)) return true;
+        cookies.remove_prefix(std::min(end + 1, cookies.size()));
+    }
+    return false;
+}
+
+// Leads to the page without the key in the address, from the same site, so that a strict cookie is sent along.
+constexpr const char* page_behind_key =
+    "<!doctype html><meta charset=\"utf-8\"><title>Wade</title>"
+    "<script>location.replace('/' + location.hash)</script>\n";
+
 class Peer;
 using Peers = std::set<std::shared_ptr<Peer>>;
 
@@ -135,6 +178,7 @@ struct Server {
     Acceptor acceptor;
     const Site& site;
     std::uint16_t port = 0;
+    const std::string key = random_key();
     Peers connections, clients;  // of HTTP and of the WebSocket
     unsigned ticks = 0;
 };
@@ -157,6 +201,12 @@ class Peer : public std::enable_shared_from_this<Peer> {
     virtual void tick(const std::string& /*status*/) {
         if (time_left() < Clock::duration::zero()) close();
     }
+    [[nodiscard]] Clock::duration time_left() const { return deadline_ - Clock::now(); }
+    void close() {
+        Error ignored;
+        socket_.close(ignored);
+        leave();
+    }
 
  protected:
     virtual void read() = 0;
@@ -175,12 +225,6 @@ class Peer : public std::enable_shared_from_this<Peer> {
         });
     }
     void close_after(Clock::duration time) { deadline_ = Clock::now() + time; }
-    [[nodiscard]] Clock::duration time_left() const { return deadline_ - Clock::now(); }
-    void close() {
-        Error ignored;
-        socket_.close(ignored);
-        leave();
-    }
     void leave() { peers_.erase(shared_from_this()); }
 
     Socket socket_;
@@ -252,10 +296,17 @@ class Connection : public Peer {
 
     void answer(const Request& request) {
         if (!is_from_here(request, server_.port)) return send(http::status::forbidden, {"text/plain", "no\n"});
+        const std::string& target = request.target();
+        if (target.starts_with("/?key=") && is_equal(target.substr(6), server_.key))
+            return send(http::status::ok, {"text/html; charset=utf-8", page_behind_key},
+                        "Set-Cookie: " + cookie_name(server_.port) + "=" + server_.key +
+                            "; HttpOnly; SameSite=Strict; Path=/\r\n");
+        if (!has_key(request[http::field::cookie], server_.port, server_.key))
+            return send(http::status::forbidden,
+                        {"text/plain", "Open the page by the file that tools/wade view has named.\n"});
         if (request.asks_for_websocket()) return upgrade(request);
         if (request.method() != http::verb::get && request.method() != http::verb::head)
             return send(http::status::method_not_allowed, {"text/plain", "only GET\n"});
-        const std::string& target = request.target();
         const std::optional<WebFile> file = server_.site.file(target.substr(0, target.find('?')));
         if (!file) return send(http::status::not_found, {"text/plain", "there is no such file\n"});
         send(http::status::ok, *file);
@@ -295,8 +346,9 @@ class Connection : public Peer {
         response_ += std::to_string(static_cast<unsigned>(status));
         response_.append(" ").append(reason.data(), reason.size()).append("\r\nContent-Type: ").append(file.type);
         response_ +=
-            "\r\nCache-Control: no-cache\r\nX-Content-Type-Options: nosniff\r\nContent-Security-Policy: "
-            "default-src 'self'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
+            "\r\nCache-Control: no-cache\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n"
+            "Content-Security-Policy: frame-ancestors 'none'; base-uri 'none'; form-action 'none'; default-src 'self'; "
+            "script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; "
             "img-src 'self' data: blob:\r\n";
         response_ += fields;
         if (stays == is_old) response_ += stays ? "Connection: keep-alive\r\n" : "Connection: close\r\n";
@@ -462,8 +514,12 @@ void Server::accept() {
         if (error) return;
         Socket socket = acceptor.accept(error);
         if (!error) socket.non_blocking(true, error);
-        if (!error && connections.size() < 4 * most_clients)
-            std::make_shared<Connection>(std::move(socket), *this)->start(Socket::wait_read);
+        // Connections without a request give way to new ones.
+        if (!error && connections.size() >= 4 * most_clients)
+            (*std::min_element(connections.begin(), connections.end(), [](const auto& a, const auto& b) {
+                return a->time_left() < b->time_left();
+            }))->close();
+        if (!error) std::make_shared<Connection>(std::move(socket), *this)->start(Socket::wait_read);
         accept();
     });
 }
@@ -480,9 +536,9 @@ bool Server::tick() {
 
 }  // namespace
 
-void serve(std::uint16_t port, const Site& site, const std::function<void(std::uint16_t)>& opened) {
+void serve(std::uint16_t port, const Site& site, const std::function<void(const std::string& address)>& opened) {
     Server server(port, site);
-    opened(server.port);
+    opened("http://127.0.0.1:" + std::to_string(server.port) + "/?key=" + server.key);
     server.accept();
     do {
         server.context.run_for(std::chrono::milliseconds(15));

@@ -1,6 +1,9 @@
 #pragma once
 // HTTP and WebSocket on 127.0.0.1: files for GET, questions and answers over /stream. Knows nothing of water or people.
 //
+// Other users of the machine reach the port, too. So each request needs a key of 128 random bits, in a cookie that the page gets from
+// /?key=KEY.
+//
 // A client asks and gets one answer for each question. Of each kind and slot only the last question counts, so that nothing piles
 // up for a slow client, and a question without an answer yet waits.
 
@@ -83,8 +86,8 @@ struct Site {
     std::function<bool()> work;  // 60 times a second; false ends the server
 };
 
-// Serves until work() says false. `opened` gets the port that was taken, once it listens; port 0: any that is free.
+// Serves until work() says false. `opened` gets the address of the page with its key, once the port listens; port 0: any that is free.
 // Errors: ConfigurationError if the port cannot be had.
-void serve(std::uint16_t port, const Site& site, const std::function<void(std::uint16_t)>& opened);
+void serve(std::uint16_t port, const Site& site, const std::function<void(const std::string& address)>& opened);
 
 }  // namespace wade::view

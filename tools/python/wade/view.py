@@ -1,11 +1,13 @@
 """The viewer in the browser: its npm package, its server, `tools/wade view`, and what `tools/wade run --view` needs of it."""
 
 import argparse
+import contextlib
 import json
 import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from wade import UsageError
@@ -63,15 +65,42 @@ def install_modules(with_tests=False):
     return folder
 
 
-class Server:
-    """wade_view_server as a process, with the address that it has printed."""
+OPENER = "view.html"  # in the run folder
 
-    def __init__(self, *arguments, port=0):
+
+def write_opener(file, address):
+    """Writes the page, for its owner alone, that leads a browser to an address with a key, which stands on no command line then."""
+    text = ('<!doctype html><meta charset="utf-8"><title>Wade</title>'
+            f"<script>location.replace('{address}' + location.hash)</script><a href=\"{address}\">the viewer</a>\n")
+    file.unlink(missing_ok=True)
+    with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o600), "w", encoding="utf-8") as opener:
+        opener.write(text)
+
+
+class Server:
+    """wade_view_server as a process, with the address that it has printed. Where a folder is given, its OPENER opens the page."""
+
+    def __init__(self, *arguments, port=0, folder=None):
         three = install_modules() / "node_modules" / "three"
         command = [BUILD / "wade_view_server", "--page", PAGE, "--three", three, "--port", str(port), *arguments]
         self.process = subprocess.Popen([*map(str, command)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                         text=True, preexec_fn=end_with_parent)
-        self.address = self.process.stdout.readline().strip()
+        self.address = self.process.stdout.readline().strip()  # with the key of the page
+        self.opener = None
+        if folder is not None and self.address:
+            self.open_by(folder)
+
+    def open_by(self, folder):
+        """Writes the opener into a folder, or into one of its own if that cannot be written."""
+        try:
+            self.opener = Path(folder).resolve() / OPENER
+            write_opener(self.opener, self.address)
+        except OSError:
+            self.opener = Path(tempfile.mkdtemp(prefix="wade-view-")) / OPENER
+            write_opener(self.opener, self.address)
+
+    def __str__(self):
+        return f"{self.address.split('?')[0]}, opened by {self.opener.as_uri() if self.opener else 'its key'}"
 
     def wait(self):
         """Waits for its end; returns its exit code, 0 if the user has ended it."""
@@ -80,11 +109,23 @@ class Server:
         except KeyboardInterrupt:
             self.end()
             return 0
+        self.remove_opener()
         return 0 if code in (-2, -15, 130, 143) else code
 
     def end(self):
         self.process.terminate()
         self.process.wait()
+        self.remove_opener()
+
+    def remove_opener(self):
+        """Removes the opener unless it is another server's by now."""
+        if self.opener is None:
+            return
+        with contextlib.suppress(OSError):
+            if self.address in self.opener.read_text(encoding="utf-8"):
+                self.opener.unlink()
+                if self.opener.parent.name.startswith("wade-view-"):
+                    self.opener.parent.rmdir()
 
 
 def settings_for_view(resolved_scene, arguments):
@@ -146,7 +187,7 @@ def parser_of_view():
     parser.add_argument("--session", metavar="NAME", help="a session that runs")
     parser.add_argument("--scene", metavar="SCENE", help="the scene of a recording or session, for its ground and goals")
     parser.add_argument("--port", type=int, default=0, help="port at 127.0.0.1 [any that is free]")
-    parser.add_argument("--no-open", action="store_true", help="open no browser, only print the address")
+    parser.add_argument("--no-open", action="store_true", help="open no browser, only print what opens the page")
     # npm's packages for the test of the page.
     parser.add_argument("--install-for-tests", action="store_true", help=argparse.SUPPRESS)
     return parser
@@ -154,8 +195,7 @@ def parser_of_view():
 
 def main(arguments):
     """tools/wade view."""
-    import tempfile  # these two only where they are needed, as every run reads this module
-    import webbrowser
+    import webbrowser  # only where it is needed, as every run reads this module
 
     options = parser_of_view().parse_args(arguments)
     try:
@@ -170,12 +210,13 @@ def main(arguments):
                 scene = Path(folder) / "scene.json"
                 scene.write_text(json.dumps(resolved(find_scene(options.scene))), encoding="utf-8")
                 words += ["--scene", scene]
-            server = Server(*words, port=options.port)
+            is_folder = options.target is not None and options.target.is_dir()
+            server = Server(*words, port=options.port, folder=options.target if is_folder else folder)
             if not server.address:
                 return server.wait()
-            print(f"viewer: {server.address}  (Ctrl-C ends it)", flush=True)
+            print(f"viewer: {server}  (Ctrl-C ends it)", flush=True)
             if not options.no_open and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-                webbrowser.open(server.address)
+                webbrowser.open(server.opener.as_uri())
             return server.wait()
     except UsageError as error:
         say_error(f"wade view: {error}")

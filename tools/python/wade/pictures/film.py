@@ -235,10 +235,12 @@ def seen_pictures(address, times, size, page, panels):
     for program in ("chromium", "node"):
         require(program, "the viewer's camera needs chromium and node (tools/install_dependencies.sh viewer); without it the film "
                 "is seen from above")
-    job = {"times": times, "width": size[0], "height": size[1], "hash": page, "bare": not panels, "browser": shutil.which("chromium")}
+    job = {"url": address, "times": times, "width": size[0], "height": size[1], "hash": page, "bare": not panels, "browser": shutil.which("chromium")}
     modules = view.install_modules(with_tests=True)
-    command = ["node", view.PAGE.parent / "film.mjs", modules, address, json.dumps(job)]
-    with subprocess.Popen([*map(str, command)], stdout=subprocess.PIPE, preexec_fn=end_with_parent) as node:
+    command = ["node", view.PAGE.parent / "film.mjs", modules]
+    with subprocess.Popen([*map(str, command)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, preexec_fn=end_with_parent) as node:
+        node.stdin.write(json.dumps(job).encode())  # not on the command line, as the address holds the key of the page
+        node.stdin.close()
         while part := node.stdout.read1(1 << 20):
             yield part
     if node.returncode != 0:

@@ -208,9 +208,9 @@ def start_viewer(run, folder, session):
     scene = folder / ".scene.json"
     scene.write_text(json.dumps(run.resolved), encoding="utf-8")
     server = Server("--run", folder, "--session", session, "--scene", scene, "--commands", fifo, "--starts",
-                    port=run.own.get("--view-port", 0))
+                    port=run.own.get("--view-port", 0), folder=folder)
     if server.address:
-        print(f"viewer: {server.address}", flush=True)
+        print(f"viewer: {server}", flush=True)
     return server
 
 
@@ -227,7 +227,7 @@ def viewer_of(run, folder, session):
 def stay(viewer, pair):
     """Lets the page show the run that is over, until the user has seen enough."""
     if pair.signal == 0 and viewer.process.poll() is None:
-        print(f"viewer: {viewer.address} goes on; Ctrl-C ends it", flush=True)
+        print(f"viewer: {viewer} goes on; Ctrl-C ends it", flush=True)
     while pair.signal == 0 and viewer.process.poll() is None:
         time.sleep(0.1)
     viewer.end()
