@@ -10,6 +10,7 @@
 #include <span>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/plain_file.hpp"
 #include "shm_protocol/inside/bytes/crc32c.hpp"
 #include "shm_protocol/inside/bytes/hash.hpp"
 #include "tools/shm/frame_payload.hpp"
@@ -23,7 +24,9 @@ bool fetch(std::ifstream& file, void* into, std::uint64_t bytes) {
 
 // Held as long as the file is in use, so that no recorder replaces it. A file that cannot be locked is read all the same.
 std::shared_ptr<void> lock_for_reading(const std::filesystem::path& file) {
-    const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (const PlainFile plain(file); !plain.is_open())
+        throw ConfigurationError("The recording " + file.string() + " cannot be read: " + plain.problem() + ".");
+    const int fd = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (fd < 0) return nullptr;
     if (::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
         ::close(fd);

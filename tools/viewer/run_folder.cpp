@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/plain_file.hpp"
 #include "tools/viewer/sources.hpp"
 
 namespace wade::view {
@@ -16,6 +17,9 @@ namespace {
 constexpr std::size_t chunk = std::size_t{8} << 20;
 constexpr double max_path_points = 300000;
 constexpr std::size_t water_head = 64;
+constexpr std::size_t most_cells = 16'000'000;            // of a snapshot of water.bin
+constexpr std::size_t most_bytes_of_frame = 256U << 20U;  // rows of people
+constexpr int most_steps_of_question = 500'000'000;       // of SQLite's machine
 constexpr std::size_t most_rows_of_course = 200;
 
 // Cuts the next field off a row of a table.
@@ -42,9 +46,19 @@ std::uint32_t place_in(const std::string_view (&words)[n], std::string_view word
 // A database that is only read, open as long as a question takes: a run that ends meanwhile folds its file.
 class Database {
  public:
+    // SQLite opens the file by its name; a FIFO in its place is no database. A view or a trigger of a stranger's file may run for
+    // ever, so that the steps of a question are limited.
     explicit Database(const std::filesystem::path& file) {
+        if (!PlainFile(file).is_open()) return;
         if (sqlite3_open_v2(file.c_str(), &handle_, SQLITE_OPEN_READONLY, nullptr) != SQLITE_OK) return;
         sqlite3_busy_timeout(handle_, 100);
+        sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+        sqlite3_progress_handler(
+            handle_, 1'000'000,
+            [](void* steps) {
+                return static_cast<int>(++*static_cast<int*>(steps) > most_steps_of_question / 1'000'000);
+            },
+            &steps_);
         is_open_ = true;
     }
     ~Database() { sqlite3_close(handle_); }
@@ -65,6 +79,7 @@ class Database {
  private:
     sqlite3* handle_ = nullptr;
     bool is_open_ = false;
+    int steps_ = 0;  // in millions
 };
 
 float column(sqlite3_stmt* row, int k) {
@@ -73,11 +88,9 @@ float column(sqlite3_stmt* row, int k) {
 
 // Bytes of a file from a place on, or what is there of them.
 std::string part_of(const std::filesystem::path& path, std::uint64_t from, std::size_t bytes) {
-    std::ifstream file(path, std::ios::binary);
-    file.seekg(static_cast<std::streamoff>(from));
-    std::vector<char> part(bytes);
-    file.read(part.data(), static_cast<std::streamsize>(bytes));
-    return {part.begin(), part.begin() + file.gcount()};
+    std::string part(bytes, '\0');
+    part.resize(PlainFile(path).read(from, part.data(), bytes));
+    return part;
 }
 
 // The row of a person among rows of a frame; empty if there is none.
@@ -107,9 +120,9 @@ void FrameTable::forget() {
 }
 
 bool FrameTable::read_on() {
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(path_, error);
-    if (error) return false;
+    const PlainFile file(path_);
+    if (!file.is_open()) return false;
+    const std::uint64_t bytes = file.bytes();
     if (bytes < read_) forget();  // a run that begins anew in this folder
     if (bytes == read_) return false;
     const std::string text = part_of(path_, read_, std::min<std::size_t>(chunk, bytes - read_));
@@ -122,6 +135,7 @@ bool FrameTable::read_on() {
             take_row(row, read_ + begin);
         }
     }
+    if (begin == 0 && text.size() == chunk) begin = chunk;  // no table has rows as long as this
     read_ += begin;
     return begin > 0 && bytes > read_;
 }
@@ -152,7 +166,7 @@ std::size_t FrameTable::at(double time_s) const {
 
 std::string FrameTable::rows_of(std::size_t frame) const {
     const std::uint64_t end = frame + 1 < starts_.size() ? starts_[frame + 1] : read_;
-    return part_of(path_, starts_[frame], end - starts_[frame]);
+    return part_of(path_, starts_[frame], std::min<std::uint64_t>(end - starts_[frame], most_bytes_of_frame));
 }
 
 double FrameTable::rate_hz() const {
@@ -198,25 +212,33 @@ void RunFolder::look_at_paths() {
 }
 
 void RunFolder::look_at_water() {
-    std::ifstream file(folder_ / "water.bin", std::ios::binary);
+    const PlainFile file(folder_ / "water.bin");
     char head[water_head];
-    if (!file.read(head, sizeof head) || std::string_view(head, 8) != "WADEWAT1") return;
+    if (file.read(0, head, sizeof head) < sizeof head) return;
     columns_ = value_at<std::uint32_t>(head + 8);
     rows_ = value_at<std::uint32_t>(head + 12);
     cell_ = value_at<double>(head + 16);
     x0_ = value_at<double>(head + 24);
     z0_ = value_at<double>(head + 32);
+    const bool is_sound = std::string_view(head, 8) == "WADEWAT1" && columns_ > 0 && rows_ > 0 &&
+                          columns_ <= most_cells / rows_ && cell_ > 0 && std::isfinite(cell_) && std::isfinite(x0_) &&
+                          std::isfinite(z0_);
+    water_problem_ = is_sound ? "" : "water.bin is refused: no snapshots of 1 to 16,000,000 cells";
+    if (!is_sound) return snapshot_times_.clear();
     const std::size_t record = 16 + std::size_t{2} * columns_ * rows_;
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(folder_ / "water.bin", error);
-    if (error || bytes < water_head) return;
+    const std::uint64_t bytes = file.bytes();
     const std::size_t whole = (bytes - water_head) / record;  // the last one may be cut off
     if (whole < snapshot_times_.size()) snapshot_times_.clear();
     while (snapshot_times_.size() < whole) {
         char start[16];
-        file.seekg(static_cast<std::streamoff>(water_head + record * snapshot_times_.size()));
-        if (!file.read(start, sizeof start)) return;
-        snapshot_times_.push_back(value_at<double>(start + 8));
+        if (file.read(water_head + record * snapshot_times_.size(), start, sizeof start) < sizeof start) return;
+        const double time = value_at<double>(start + 8);
+        if (!std::isfinite(time) || (!snapshot_times_.empty() && time <= snapshot_times_.back())) {
+            water_problem_ = "water.bin is refused from snapshot " + std::to_string(snapshot_times_.size()) +
+                             " on: its times do not increase";
+            return;
+        }
+        snapshot_times_.push_back(time);
     }
 }
 
@@ -330,9 +352,9 @@ Message RunFolder::depths(double time_s) const {
     head.z0_m = static_cast<float>(z0_);
     head.cell_m = static_cast<float>(cell_);
     std::vector<std::uint16_t> millimetres(head.count);
-    std::ifstream file(folder_ / "water.bin", std::ios::binary);
-    file.seekg(static_cast<std::streamoff>(water_head + k * (16 + std::size_t{2} * head.count) + 16));
-    if (!file.read(reinterpret_cast<char*>(millimetres.data()), static_cast<std::streamsize>(2 * millimetres.size())))
+    const std::uint64_t from = water_head + k * (16 + std::uint64_t{2} * head.count) + 16;
+    if (PlainFile(folder_ / "water.bin").read(from, millimetres.data(), 2 * millimetres.size()) <
+        2 * millimetres.size())
         return nullptr;
     Message message = new_message(head);
     std::transform(millimetres.begin(), millimetres.end(), array_of(message, head, 0).begin(),
@@ -358,9 +380,7 @@ std::string RunFolder::course(std::uint32_t id) const {
 
 std::string RunFolder::text_of(const std::string& name) const {
     constexpr std::size_t most = 4 << 20;
-    std::error_code error;
-    const auto bytes = std::filesystem::file_size(folder_ / name, error);
-    return error ? "" : part_of(folder_ / name, 0, std::min<std::size_t>(bytes, most));
+    return part_of(folder_ / name, 0, std::min<std::uint64_t>(PlainFile(folder_ / name).bytes(), most));
 }
 
 }  // namespace wade::view
