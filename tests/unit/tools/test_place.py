@@ -98,6 +98,70 @@ class Import(unittest.TestCase):
         self.assertEqual(houses["features"][0]["geometry"]["coordinates"][0][0][0], 500004)
         self.assertIn("32632", houses["crs"]["properties"]["name"])
 
+    def made(self, name, *words):
+        """A raster that GDAL makes of the grid, in EPSG:32632."""
+        made = self.folder / name
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32632", *map(str, words), self.folder / "ground.asc", made], check=True)
+        return made
+
+    def test_scale_offset_unit_mask_and_rows_from_the_south_give_the_heights_that_they_mean(self):
+        plain = 50 + 0.5 * (CELLS - 1)  # of the last column of the southern row
+        of = {
+            "scaled.tif": (["-a_scale", 0.01, "-a_offset", 100], 100 + 0.01 * plain, "times 0.01 plus 100"),
+            "south_up.tif": (["-a_ullr", 500000, 5500000, 500024, 5500024], 50 + 0.25 * (CELLS - 1) + 0.5 * (CELLS - 1), "turned north up"),
+        }
+        for name, (words, height, word) in of.items():
+            told = self.imported(self.made(name, *words))
+            self.assertIn(word, told)
+            self.assertAlmostEqual(place.heights_of(self.out / "ground.tif")[-1, -1], height, places=4)
+        feet = self.made("feet.tif", "-a_srs", "EPSG:2263", "-a_ullr", 980000, 190024, 980024, 190000)
+        with self.assertRaisesRegex(UsageError, "US survey foot along the map and does not say.*--heights-in"):
+            self.imported(feet)
+        told = self.imported(feet, "--heights-in", "us-ft")
+        self.assertRegex(told, "reprojected from EPSG:2263(.|\n)*heights in us-ft times 0.3048006096")
+        heights = place.heights_of(self.out / "ground.tif")
+        self.assertAlmostEqual(heights[heights == heights].max(), 0.3048 * (50 + 0.75 * (CELLS - 1)), delta=0.3048)
+        with self.assertRaisesRegex(UsageError, "--epsg 2263 is no projected system in metres"):
+            self.imported(self.folder / "ground.asc", "--epsg", 2263)
+
+    def test_masked_cells_have_no_height(self):
+        (self.folder / "mask.asc").write_text(re.sub(r"\n5[0-9.]+ ", "\n0 ", GRID))  # the western column
+        masked = self.folder / "masked.tif"
+        subprocess.run(["gdalbuildvrt", "-q", "-separate", self.folder / "two.vrt", self.folder / "ground.asc",
+                        self.folder / "mask.asc"], check=True)
+        subprocess.run(["gdal_translate", "-q", "-a_srs", "EPSG:32632", "-a_nodata", "none", "-b", "1", "-mask", "2", "--config",
+                        "GDAL_TIFF_INTERNAL_MASK", "YES", self.folder / "two.vrt", masked], check=True)
+        told = self.imported(masked)
+        self.assertIn("masked cells have no height", told)
+        heights = place.heights_of(self.out / "ground.tif")
+        self.assertTrue((heights[:, 0] != heights[:, 0]).all() and (heights[:, 1:] == heights[:, 1:]).all())
+
+    def test_an_untagged_number_for_no_data_is_refused_with_a_remedy_that_works(self):
+        (self.folder / "ground.asc").write_text(GRID.replace("-9999", "-1").replace("50.0 ", "3.4028234e38 "))
+        with self.assertRaisesRegex(UsageError, "gdal_translate -a_nodata ([0-9.e+]+) FILE") as refused:
+            self.imported(self.made("void.tif"))
+        number = re.search("-a_nodata (\\S+)", str(refused.exception))[1]
+        self.assertIn("1 of 144 cells have no height", self.imported(self.made("tagged.tif", "-a_nodata", number)))
+
+    def test_houses_stand_once_with_the_heights_that_their_tags_mean(self):
+        def feature(k, properties, parts=1):
+            squares = [[[[x, 5500002], [x + 0.5, 5500002], [x + 0.5, 5500004], [x, 5500004], [x, 5500002]]]
+                       for x in (500001 + 1.5 * k + 0.6 * part for part in range(parts))]
+            return {"type": "Feature", "properties": properties, "geometry": {"type": "MultiPolygon", "coordinates": squares}}
+        heights = {"39'": 11.89, "39 ft": 11.89, "12,5": 12.5, "12m": 12, "12 m": 12, "7'4\"": 2.24, "tall": None, "-5": None}
+        features = [feature(k, {"Height": text}) for k, text in enumerate(heights)]
+        features += [feature(8, {"residents": "10"}, 2), feature(8, {"residents": 10}, 2), feature(10, {"building": "no"}),
+                     feature(11, {"other_tags": '"building:levels"=>"5","name:de"=>"x \\"y\\""'}), feature(12, {"residents": 3.5})]
+        file = self.folder / "tags.geojson"
+        file.write_text(json.dumps({**HOUSES, "features": features}))
+        told = self.imported(self.folder / "ground.asc", file, "--epsg", 32632)
+        kept = [house["properties"] for house in json.loads((self.out / "houses.geojson").read_text())["features"]]
+        self.assertEqual([house.get("height_m") for house in kept[:8]], list(heights.values()))
+        self.assertEqual(kept[8:], [{"residents": 10}, {"height_m": 15.0}, {}])
+        for row in ("building=no +1: left out", "stands twice +1: left out", "height not understood +2: the scene's height_m .height=tall",
+                    "residents not understood +1", "decimal comma +1", "of several parts +1: kept as one house"):
+            self.assertRegex(told, row)
+
     def test_degrees_become_metres_of_the_utm_zone_in_square_cells(self):
         degrees = self.folder / "degrees.tif"
         subprocess.run(["gdalwarp", "-q", "-s_srs", "EPSG:32632", "-t_srs", "EPSG:4326", self.folder / "ground.asc", degrees],
