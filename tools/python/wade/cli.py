@@ -8,8 +8,13 @@ from wade.building import BuildError, bring_up_to_date, install_pictures, instal
 from wade.commands import all_commands, commands_by_purpose, find_command
 from wade import UsageError
 from wade.paths import CONFIGS, INSTALLED, ROOT
+from wade.progress import Teller
 from wade.run.arguments import asks_for_help
 from wade.terminal import open_standard_streams, say_error
+
+
+# Commands that wait for others or whose programs tell how far they are.
+TELL_THEMSELVES = ("run", "run-one", "many", "view", "scenes", "test", "conformance")
 
 
 def overview():
@@ -47,7 +52,10 @@ def carry_out(command, arguments):
             install_pictures()
         else:
             bring_up_to_date(programs, command.with_tests)
-    return module.main(arguments)
+    if not runs or command.name in TELL_THEMSELVES:
+        return module.main(arguments)
+    with Teller(command.name):
+        return module.main(arguments)
 
 
 def main(arguments):

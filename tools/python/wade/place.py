@@ -3,7 +3,7 @@
 IN are rasters of heights, of which the later ones lie over the earlier ones, and files with polygons of houses. Writes into
 DIR:
 
-  ground.tif       heights in metres, square cells, north up, one projected coordinate system in metres
+  ground.tif       heights in metres, square cells, north up, one projected system in metres
   houses.geojson   the polygons that meet the ground, each house once, with height_m of heights or levels
   scene.json       a scene to go on with: tools/wade run DIR/scene.json --check
 
@@ -21,7 +21,7 @@ import shutil
 import subprocess
 import tempfile
 
-from wade import UsageError
+from wade import UsageError, progress
 from wade.outside import require
 from wade.reports.files import write_whole
 from wade.run.folders import file_name
@@ -42,6 +42,7 @@ def call(program, *words):
     """What a program of GDAL prints; UsageError with its words if it fails."""
     if shutil.which(program) is None:
         raise UsageError(f"{program} is not installed; {GDAL}")
+    progress.at(f"{program} works")
     done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, errors="backslashreplace")
     if done.returncode != 0:
         reasons = [line for line in done.stderr.splitlines() if line.startswith("ERROR")] or done.stderr.splitlines()[-1:]

@@ -5,8 +5,10 @@ import io
 import os
 import sys
 import textwrap
+import time
 
 from wade.paths import INSTALLED
+from wade.progress import STATE
 
 COLUMNS = 100
 # What messages call the commands of the sources, and what an installed command calls them.
@@ -23,11 +25,14 @@ def as_installed(text):
     return text
 
 
-class InstalledStream(io.TextIOWrapper):
-    """A standard stream of an installed command."""
+class Stream(io.TextIOWrapper):
+    """A standard stream that notes when it is written to, and of an installed command has its names."""
 
     def write(self, text):
-        return super().write(as_installed(text))
+        STATE.last = time.monotonic()
+        if STATE.is_shown and not text.startswith("\r"):  # the line of progress gives way
+            STATE.is_shown, text = False, "\r\x1b[K" + text
+        return super().write(as_installed(text) if INSTALLED else text)
 
 
 def open_standard_streams():
@@ -43,11 +48,11 @@ def open_standard_streams():
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
-    if INSTALLED:
-        for name in ("stdout", "stderr"):
-            stream = getattr(sys, name)
-            buffered, encoding = stream.line_buffering, stream.encoding
-            setattr(sys, name, InstalledStream(stream.detach(), encoding, "backslashreplace", line_buffering=buffered))
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if type(stream) is io.TextIOWrapper:
+            buffered, encoding, through = stream.line_buffering, stream.encoding, stream.write_through
+            setattr(sys, name, Stream(stream.detach(), encoding, "backslashreplace", line_buffering=buffered, write_through=through))
 
 
 def harmless(text):

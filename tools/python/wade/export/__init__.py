@@ -14,7 +14,7 @@ import argparse
 import pathlib
 import shutil
 
-from wade import UsageError
+from wade import UsageError, progress
 from wade.reports.files import whole_folder
 from wade.terminal import Parser
 
@@ -113,10 +113,13 @@ def export(stream, writer, thinning):
     """Writes one stream; returns how many frames. UsageError if there is none in this time."""
     count = 0
     for points in stream.points(thinning):
+        progress.at(f"writes the frames of the {stream.name}", max(0, points.time_s - thinning.from_s),
+                    min(thinning.until_s, stream.end_s) - thinning.from_s)
         writer.add(points)
         count += 1
     if count == 0 and (thinning.from_s > 0 or thinning.until_s < float("inf")):
         raise UsageError(f"--from-s, --until-s: there are no {stream.name} in this time")
+    progress.at(f"puts {count} frames together")
     writer.finish()
     return count
 

@@ -101,6 +101,13 @@ class Recording:
             at += RECORD + size
         self.rest = end - at
 
+    def likely_end_s(self):
+        """The time of the last whole frame, s; 0 without one. Reads no particles."""
+        last = None
+        for last in self.frames():
+            pass
+        return last.time_s if last else 0.0
+
     def decoded(self, frame):
         """The arrays as they were stored. UsageError if they are damaged."""
         self.file.seek(frame.payload[0])

@@ -86,6 +86,7 @@ class Stream:
     def __init__(self, name, rate_hz, frames, radius=0.25, producer=""):
         self.name, self.rate_hz, self.frames, self.radius = name, rate_hz, frames, radius
         self.producer, self.surface = producer, None
+        self.end_s = np.inf  # the time of the last frame, as far as it is known
 
     def points(self, thinning):
         for frame in thinning.chosen(self.frames()):
@@ -139,7 +140,9 @@ def of_recording(path):
             raise UsageError(f"{path} holds no whole frame")
 
     name = "people" if recording.kind == AGENTS else "water"
-    return Stream(name, recording.rate_hz, frames, recording.radius or 0.25, recording.producer)
+    made = Stream(name, recording.rate_hz, frames, recording.radius or 0.25, recording.producer)
+    made.end_s = recording.likely_end_s()
+    return made
 
 
 class People:
@@ -255,7 +258,12 @@ class People:
 def of_run(folder):
     """The stream of people of a run folder."""
     people = People(folder)
-    return Stream("people", people.rate_hz, people.frames)
+    made = Stream("people", people.rate_hz, people.frames)
+    try:
+        made.end_s = float(json.loads((folder / "outcome.json").read_text(encoding="utf-8"))["sim_time_s"])
+    except (OSError, ValueError, KeyError):
+        pass
+    return made
 
 
 class Spool:

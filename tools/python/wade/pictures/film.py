@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from wade import UsageError, view
+from wade import UsageError, progress, view
 from wade.building import bring_up_to_date
 from wade.export.recording import AGENTS, Recording
 from wade.export.sources import Thinning, of_run, scene_of
@@ -315,7 +315,7 @@ def main(arguments):
         else:
             film = Film(options.run, options.water, thinning, options.width_px)
             form = ("-f", "rawvideo", "-pix_fmt", "rgba", "-s", "{}x{}".format(*film.size))
-            write(map(film.frame, times), form, options.rate_hz, output)
+            write(map(film.frame, progress.over(times, "draws the frames")), form, options.rate_hz, output)
             plt.close(film.figure)
     except (RunError, OSError) as error:
         say_error(f"wade film: {error}")

@@ -6,6 +6,7 @@ a snapshot shows both at the same time. Needs Blender 3.4 or later. The ground i
 
 import argparse
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -209,7 +210,7 @@ def triple(text):
 
 def main(arguments):
     """tools/wade render."""
-    from wade import UsageError
+    from wade import UsageError, progress
     from wade.export.sources import scene_of
     from wade.outside import require
     from wade.pictures.run_files import RunError, check_time
@@ -234,6 +235,7 @@ def main(arguments):
     if output.suffix.lower() != ".png":
         parser.error(f"--out: {output}, allowed are names that end in .png")
     scene_of(options.run)
+    progress.at("reads the run and makes the water's surface")
     try:
         check_time(options.run, options.time)
     except RunError as error:
@@ -244,10 +246,16 @@ def main(arguments):
         np.savez(arrays, **job(options))
         size = map(str, (options.width_px, 2 * round(options.width_px * 9 / 32), options.samples))
         command = ["blender", "--background", "--factory-startup", "--python", __file__, "--", arrays, picture, *size]
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              errors="backslashreplace")
-        if done.returncode != 0 or not picture.exists():
-            say_error("wade render: Blender made no picture; it said:\n" + "\n".join(done.stdout.splitlines()[-8:]))
+        progress.at("Blender starts")
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              errors="backslashreplace") as blender:
+            said = []
+            for line in blender.stdout:
+                said = [*said, line.rstrip()][-8:]
+                if found := re.search(r"Sample (\d+)/(\d+)", line):
+                    progress.at("Blender renders", int(found[1]), int(found[2]))
+        if blender.returncode != 0 or not picture.exists():
+            say_error("wade render: Blender made no picture; it said:\n" + "\n".join(said))
             return 1
         try:
             write_whole(output, picture.read_bytes())

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wade import UsageError
+from wade import UsageError, progress
 from wade.ensembles.folder import EnsembleFolder, has_all_agents
 from wade.ensembles.plan import read_plan
 from wade.reports.tables import read_csv
@@ -150,7 +150,7 @@ def read_ensemble(folder):
         raise UsageError(f"{folder}: there is no such folder")
     listed = planned(folder)
     cases, people, left_out, seen, words = {}, {}, Counter(), set(), {}
-    for run_folder, scene, settings, seed, why_not in found(folder) if listed is None else listed:
+    for run_folder, scene, settings, seed, why_not in progress.over(found(folder) if listed is None else listed, "reads the runs"):
         outcome, why_not = (None, why_not) if why_not else read_outcome(run_folder, seed)
         if why_not:
             left_out[why_not] += 1
@@ -172,6 +172,7 @@ def read_ensemble(folder):
     for key, case in cases.items():
         parts = people.pop(key)
         case.people = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    progress.at(f"computes and draws what {sum(len(case.runs) for case in cases.values())} runs say")
     return Ensemble(folder, list(cases.values()), left_out)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wade import UsageError
+from wade import UsageError, progress
 from wade.ensembles.plan import scene_name
 from wade.many import seed_range
 from wade.reports.files import say, write_whole
@@ -161,7 +161,7 @@ def results_of(folder, design, result):
     if rows is None or len(rows) != len(design["points"]) * len(design["seeds"]):
         raise UsageError(f"{folder / PLAN} is not that of {folder / DESIGN}")
     values = []
-    for run, _, _, seed, why_not in rows:
+    for run, _, _, seed, why_not in progress.over(rows, "reads the runs"):
         outcome, _ = (None, why_not) if why_not else read_outcome(run, seed)
         values.append(np.nan if outcome is None else RESULTS[result][1](outcome))
     return np.array(values).reshape(-1, len(design["seeds"])).mean(axis=1), int(np.isnan(values).sum())

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wade import UsageError
+from wade import UsageError, progress
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0, some_of
 from wade.reports.tables import document, listed, markdown, section, write_csv
@@ -429,7 +429,7 @@ def cases_section(cases, comparisons, picture):
     """A line a case, and a line a comparison with the first, of plans with many settings."""
     fates, notes, keys = fates_of(*cases), Notes(), told_apart_by(cases)
     lines = []
-    for case in cases:
+    for case in progress.over(cases, "computes the cases"):
         of_fate = shares_of(case, "all")[0][1]
         cells = [in_words(of_fate[fate][2], notes) if fate in of_fate else "-" for fate in fates]
         lines.append([label_of(case, keys), len(case.runs), len(case.people["run"]), *cells])
