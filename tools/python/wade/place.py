@@ -4,7 +4,7 @@ IN are rasters of heights, of which the later ones lie over the earlier ones, an
 DIR:
 
   ground.tif       heights in metres, square cells, north up, one projected system in metres
-  houses.geojson   the polygons that meet the ground, each house once, with height_m of heights or levels
+  houses.geojson   polygons that meet the ground, each once, with height_m of heights or levels
   scene.json       a scene to go on with: tools/wade run DIR/scene.json --check
 
 It applies scale, offset, masks and units of heights, and reads the tags of OpenStreetMap (height, building:levels, building=no). A table

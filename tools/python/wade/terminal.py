@@ -1,7 +1,6 @@
 """What is shown on a terminal: no line over 100 columns but for paths, nothing that a terminal would obey."""
 
 import argparse
-import io
 import os
 import sys
 import textwrap
@@ -25,14 +24,20 @@ def as_installed(text):
     return text
 
 
-class Stream(io.TextIOWrapper):
+class Stream:
     """A standard stream that notes when it is written to, and of an installed command has its names."""
+
+    def __init__(self, stream):
+        self.stream = stream
+
+    def __getattr__(self, name):
+        return getattr(self.stream, name)
 
     def write(self, text):
         STATE.last = time.monotonic()
         if STATE.is_shown and not text.startswith("\r"):  # the line of progress gives way
             STATE.is_shown, text = False, "\r\x1b[K" + text
-        return super().write(as_installed(text) if INSTALLED else text)
+        return self.stream.write(as_installed(text) if INSTALLED else text)
 
 
 def open_standard_streams():
@@ -49,10 +54,8 @@ def open_standard_streams():
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
     for name in ("stdout", "stderr"):
-        stream = getattr(sys, name)
-        if type(stream) is io.TextIOWrapper:
-            buffered, encoding, through = stream.line_buffering, stream.encoding, stream.write_through
-            setattr(sys, name, Stream(stream.detach(), encoding, "backslashreplace", line_buffering=buffered, write_through=through))
+        if not isinstance(getattr(sys, name), Stream):
+            setattr(sys, name, Stream(getattr(sys, name)))
 
 
 def harmless(text):
