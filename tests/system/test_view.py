@@ -491,7 +491,7 @@ def missing_for_page():
     if not works("chromium", "node"):
         return "chromium or node is not installed: tools/install_dependencies.sh viewer"
     folder = view.modules_folder()
-    if not all(view.has_module(folder, name) for name in ("three", "playwright-core")):
+    if not all(view.has_module(folder, name) for name in ("three", "playwright-core", "axe-core")):
         return "npm's packages are not there: tools/wade view --install-for-tests"
     return ""
 
@@ -519,7 +519,7 @@ class Page(ViewTest):
         pages = {"ended": ended.address, "live": live.address, "recorded": recorded.address,
                  "snapshots": snapshots.address, "wanted": wanted}
         test = subprocess.run(["node", PAGE_TEST, modules, pictures], input=json.dumps(pages), capture_output=True, text=True,
-                              timeout=280)
+                              timeout=560)
         for program in (water, crowd):
             program.send(signal.SIGINT)
             program.wait()

@@ -134,6 +134,55 @@ try {
   const last = await page.screenshot();
   assert.notDeepEqual(first, last, 'the picture changes with the time');
 
+  // axe-core finds nothing, with and without the list of keys and the numbers of a person; live regions are calm.
+  const axe = fs.readFileSync(path.join(modules, 'node_modules', 'axe-core', 'axe.min.js'), 'utf8');
+  const audit = async (what) => {
+    await page.evaluate((code) => window.axe ?? (0, eval)(code), axe);
+    const found = await page.evaluate(async () => (await axe.run()).violations.map((v) => `${v.id}: ${v.nodes.map((node) => node.target).join(' ')}`));
+    assert.deepEqual(found, [], `axe-core, ${what}`);
+  };
+  await audit('page');
+  await page.evaluate(() => wade.select(wade.show.people.shown[0]?.id ?? 0));
+  await page.keyboard.press('?');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'help-close');
+  await audit('help and a person');
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('Escape');
+  const live_changes = await page.evaluate(async (end) => {
+    let changes = 0;
+    const watcher = new MutationObserver(() => ++changes), began = performance.now();
+    for (const region of document.querySelectorAll('[aria-live], [role=status], [role=alert], [role=log], output')) watcher.observe(region, { childList: true, characterData: true, subtree: true });
+    wade.seek(0);
+    wade.show.speed = 4;
+    wade.setPlaying(true);
+    while (wade.at().time < end - 1e-6) await new Promise((done) => setTimeout(done, 20));
+    return changes / Math.max(1, Math.ceil((performance.now() - began) / 5000));
+  }, wanted.end);
+  assert.ok(live_changes <= 1, `live regions change ${live_changes} times in 5 s`);
+
+  // Keys move the camera, and 0 brings the first view back, which holds all people and goals at three sizes.
+  const eye = () => page.evaluate(() => wade.eye().map((v) => +v.toFixed(6)));
+  for (const [width, height] of [[1280, 720], [800, 600], [400, 800]]) {
+    await page.setViewportSize({ width, height });
+    await page.keyboard.press('0');
+    await page.waitForFunction(() => wade.at().target === null, null, patient);
+    const outside = await page.evaluate(() => {
+      const { show } = wade, { bottom } = document.querySelector('#title').getBoundingClientRect(), { top } = document.querySelector('#line').getBoundingClientRect();
+      const places = [[14, 12], ...show.people.shown.map((p) => [p.x, p.z])].map(([x, z]) => wade.project(x, 0, z));
+      return places.filter(([x, y]) => x < 0 || x > innerWidth || y < Math.min(bottom, 0.4 * innerHeight) || y > top).length;
+    });
+    assert.equal(outside, 0, `people and goals outside of the first view at ${width} x ${height}`);
+  }
+  const begun = await eye();
+  for (const key of ['Shift+ArrowLeft', 'Shift+ArrowUp', 'ArrowUp', ']', 'PageUp']) {
+    const before = await eye();
+    await page.keyboard.press(key);
+    assert.notDeepEqual(await eye(), before, `${key} moves the camera`);
+  }
+  await page.keyboard.press('0');
+  assert.deepEqual(await eye(), begun);
+  await page.setViewportSize({ width: 560, height: 360 });
+
   // Scrub by hand; then a click on a person shows its terms.
   await page.fill('#time', '3');
   await page.waitForFunction(() => Math.abs(wade.at().time - 3) < 0.02 && Math.abs(wade.at().water - 3) <= 0.5, null, patient);

@@ -52,7 +52,7 @@ def has_module(folder, name):
 def install_modules(with_tests=False):
     """The folder of npm's packages of the page; installs them from the lock file if they are not there. UsageError."""
     folder = modules_folder()
-    if all(has_module(folder, name) for name in ("three", *(["playwright-core"] if with_tests else []))):
+    if all(has_module(folder, name) for name in ("three", *(["playwright-core", "axe-core"] if with_tests else []))):
         return folder
     require("npm", "the viewer needs it (tools/install_dependencies.sh viewer); runs do not")
     print(f"Installing three {wanted_version('three')} for the viewer in {folder}, once, by npm", file=sys.stderr)

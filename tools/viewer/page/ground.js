@@ -284,10 +284,32 @@ export function castShadows(sun, centre, reach, half) {
   sun.castShadow = true;
 }
 
-/** Sets a camera over the world up to `high`, as the paper's pictures are seen from; share: of the window's width in its height. */
-export function lookDown(camera, [length, width, high = 0], share) {
-  const half = Math.max(0.54 * width + 4, (0.53 * length) / share);
-  Object.assign(camera, { left: -half * share, right: half * share, top: half, bottom: -half });
+/** The part of the picture, -1 to 1 along both axes, that no panel covers: left, right, low, high. */
+export const inner = (wide, high, above, below) => [-0.94, 0.94, -1 + (2 * (below + 10)) / high, 1 - (2 * (above + 10)) / high];
+
+/** Puts a camera so near that all points are seen within a part of the picture, along a direction from them to the camera. */
+export function fit(camera, points, direction, [left, right, low, high]) {
+  camera.position.set(0, 0, 0);
+  camera.up.set(0, 1, 0);
+  camera.lookAt(direction.clone().negate());
+  camera.updateMatrixWorld();
+  const [x, y, back] = [0, 1, 2].map((k) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, k));
+  const tangent = Math.tan((camera.fov * Math.PI) / 360), most = (f) => points.reduce((m, p) => Math.max(m, f(p)), -Infinity);
+  // Of each axis: where the two outermost rays that bound the points meet.
+  const along = [[x, -left * tangent * camera.aspect, right * tangent * camera.aspect], [y, -low * tangent, high * tangent]].map(([axis, below, above]) => {
+    const a = most((p) => p.dot(axis) + above * p.dot(back)), b = most((p) => -p.dot(axis) + below * p.dot(back));
+    return { near: (a + b) / (above + below), at: (d) => (a - above * d + below * d - b) / 2 };
+  });
+  const far = Math.max(along[0].near, along[1].near);
+  camera.position.copy(x.multiplyScalar(along[0].at(far))).addScaledVector(y, along[1].at(far)).addScaledVector(back, far);
+  camera.updateMatrixWorld();
+}
+
+/** Sets a camera over the world up to `high`, as the paper's pictures are seen from, within a part of the picture; share: of the
+ * window's width in its height. */
+export function lookDown(camera, [length, width, high = 0], share, [left, right, low, above]) {
+  const half = Math.max((1.06 * width + 4) / (above - low), (1.04 * length) / (share * (right - left))), x = (left + right) / 2, y = (low + above) / 2;
+  Object.assign(camera, { left: -half * share * (1 + x), right: half * share * (1 - x), top: half * (1 - y), bottom: -half * (1 + y) });
   camera.position.copy(place(length / 2, high + 300, width / 2));
   camera.up.set(0, 0, -1); // z points up the page
   camera.lookAt(place(length / 2, 0, width / 2));

@@ -12,7 +12,8 @@ export const SYMBOLS = {
   indoors: ['house', '#bbbbbb'], upper_floor: ['house', '#56b4e9'],
 };
 export const LYING = ['waves', '#0072b2']; // of who walks by his state and lies by his posture: tumbled by the water
-const CELL = 64;
+const CELL = 64, ATLAS = 5; // pixels of a symbol, symbols of a row of the texture
+const HARMLESS = ['walking', 'standing', 'arrived', 'sheltered', 'indoors', 'upper_floor']; // below the others where symbols overlap
 
 export function drawSymbol(c, shape, colour, size) {
   const dark = colour === '#16161a';
@@ -40,6 +41,7 @@ export function drawSymbol(c, shape, colour, size) {
   if (shape === 'plus') line([0, -15], [0, 15]), line([-15, 0], [15, 0]);
   if (shape === 'ring') c.arc(0, 0, 13, 0, 2 * Math.PI);
   if (shape === 'wall') line([-12, -16], [-12, 16]), line([16, 0], [-4, 0]), line([5, -9], [-4, 0], [5, 9]);
+  if (shape === 'dot') c.arc(0, 0, 20, 0, 2 * Math.PI), c.fill();
   if (shape === 'cross') line([-13, -13], [13, 13]), line([-13, 13], [13, -13]);
   if (shape === 'house') line([-15, 15], [-15, -2], [0, -16], [15, -2], [15, 15], [-15, 15]), c.fill();
   if (shape === 'tick') line([-15, 1], [-4, 13], [15, -12]);
@@ -49,10 +51,10 @@ export function drawSymbol(c, shape, colour, size) {
 
 const TRACE_VERTEX = `
   attribute vec2 corner, high; attribute vec4 ends, more; // ta, tb, colour r g packed
-  uniform vec2 screen; uniform float width, now, lift, past; uniform vec3 colours[9]; varying vec4 tint;
+  uniform vec2 screen; uniform float width, now, lift, past, faint; uniform vec3 colours[9]; varying vec4 tint;
   void main() {
     vec4 a = projectionMatrix * viewMatrix * vec4(ends.x, high.x + lift, -ends.y, 1.), b = projectionMatrix * viewMatrix * vec4(ends.z, high.y + lift, -ends.w, 1.);
-    tint = vec4(colours[int(more.z)], more.w > .5 ? 1. : .85);
+    tint = vec4(colours[int(more.z)], more.w > .5 ? 1. : .85 * faint);
     if (more.x > now || a.w < .1 || b.w < .1) { gl_Position = vec4(2., 2., 2., 1.); return; }
     float reach = clamp((now - more.x) / max(1e-4, more.y - more.x), 0., 1.);
     b = mix(a, b, reach);
@@ -71,7 +73,7 @@ export class Traces {
     g.setAttribute('corner', new THREE.Float32BufferAttribute([0, -1, 1, -1, 0, 1, 1, 1], 2));
     g.setIndex([0, 1, 2, 2, 1, 3]);
     g.instanceCount = 0;
-    this.uniforms = { screen: { value: new THREE.Vector2(1, 1) }, width: { value: 1.6 }, now: { value: 0 }, lift: { value: 0.06 }, past: { value: 0 }, colours: { value: colours.map((c) => new THREE.Color(c)) } };
+    this.uniforms = { screen: { value: new THREE.Vector2(1, 1) }, width: { value: 1.6 }, now: { value: 0 }, lift: { value: 0.06 }, faint: { value: 1 }, past: { value: 0 }, colours: { value: colours.map((c) => new THREE.Color(c)) } };
     const material = new THREE.ShaderMaterial({ uniforms: this.uniforms, vertexShader: TRACE_VERTEX, transparent: true, depthWrite: false, side: THREE.DoubleSide,
       fragmentShader: 'varying vec4 tint; void main() { gl_FragColor = tint;\n#include <colorspace_fragment>\n}' });
     this.mesh = new THREE.Mesh(g, material);
@@ -115,13 +117,12 @@ export class Traces {
 export class Symbols {
   constructor(parent) {
     const canvas = document.createElement('canvas');
-    canvas.width = 4 * CELL;
-    canvas.height = 4 * CELL;
+    canvas.width = canvas.height = ATLAS * CELL;
     const c = canvas.getContext('2d');
     this.cells = new Map();
-    Object.entries({ ...SYMBOLS, tumbled: LYING }).filter(([, s]) => s).forEach(([state, [shape, colour]], k) => {
+    Object.entries({ ...SYMBOLS, walking: ['dot', '#ffffff'], tumbled: LYING }).filter(([, s]) => s).forEach(([state, [shape, colour]], k) => {
       c.save();
-      c.translate((k % 4) * CELL, Math.floor(k / 4) * CELL);
+      c.translate((k % ATLAS) * CELL, Math.floor(k / ATLAS) * CELL);
       drawSymbol(c, shape, colour, CELL);
       c.restore();
       this.cells.set(state, k);
@@ -129,14 +130,20 @@ export class Symbols {
     const texture = new THREE.CanvasTexture(canvas);
     texture.colorSpace = THREE.SRGBColorSpace;
     texture.flipY = false;
-    this.uniforms = { map: { value: texture }, size: { value: 15 } };
+    this.walking = this.cells.get('walking');
+    this.uniforms = { map: { value: texture }, size: { value: 15 }, high: { value: 700 }, walking: { value: this.walking } };
     this.points = new THREE.Points(new THREE.BufferGeometry(), new THREE.ShaderMaterial({
       uniforms: this.uniforms, transparent: true, depthTest: false, depthWrite: false,
-      vertexShader: `attribute float cell; uniform float size; varying float c;
+      // Whoever walks has a dot where the figure is no more than a dozen pixels high.
+      vertexShader: `attribute float cell; uniform float size, high, walking; varying float c;
         void main() { c = cell; gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.);
-          gl_PointSize = size * clamp(26. / max(1., gl_Position.w), .55, 1.3); }`,
+          gl_PointSize = size * clamp(26. / max(1., gl_Position.w), .55, 1.3);
+          if (cell == walking) {
+            gl_PointSize *= .75;
+            if (.85 * projectionMatrix[1][1] * high / gl_Position.w > 12.) gl_Position = vec4(2., 2., 2., 1.);
+          } }`,
       fragmentShader: `uniform sampler2D map; varying float c;
-        void main() { vec4 t = texture2D(map, (vec2(mod(c, 4.), floor(c / 4.)) + gl_PointCoord) / 4.); if (t.a < .1) discard; gl_FragColor = t;
+        void main() { vec4 t = texture2D(map, (vec2(mod(c, ${ATLAS}.), floor(c / ${ATLAS}. + .01)) + gl_PointCoord) / ${ATLAS}.); if (t.a < .1) discard; gl_FragColor = t;
         #include <colorspace_fragment>
         }`,
     }));
@@ -145,9 +152,12 @@ export class Symbols {
     parent.add(this.points);
   }
 
-  /** list: x, y, z and state. */
-  show(list) {
-    const known = list.filter((p) => this.cells.has(p.state)), g = this.points.geometry;
+  /** list: x, y, z and state; from above the symbols of many people are smaller, at least 6 pixels. */
+  show(list, isAbove) {
+    const rank = (p) => (p.state === 'walking' ? 0 : HARMLESS.includes(p.state) ? 1 : 2), known = list.filter((p) => this.cells.has(p.state)).sort((a, b) => rank(a) - rank(b));
+    this.uniforms.size.value = !isAbove ? 15 : list.length > 300 ? 8 : list.length > 100 ? 10 : 13;
+    this.uniforms.high.value = innerHeight;
+    const g = this.points.geometry;
     const position = new Float32Array(3 * known.length), cell = new Float32Array(known.length);
     known.forEach((p, k) => {
       position.set([p.x, p.y, -p.z], 3 * k);

@@ -150,6 +150,18 @@ export function setPlaying(on) {
   $('play').setAttribute('aria-pressed', on);
 }
 
+// Tells a screen reader the state of the run and who has come to an end, no more than once in 6 s.
+let toldAt = -Infinity;
+function announce() {
+  const now = performance.now();
+  if (now - toldAt < 6000) return;
+  const ends = Object.entries(show.counts ?? {}).filter(([state]) => hasEnd(state)).map(([state, n]) => `${n} ${state}`);
+  const text = [stateOfPage(), ...ends].join(', ');
+  if ($('told').textContent === text) return;
+  toldAt = now;
+  $('told').textContent = text;
+}
+
 export function showTexts() {
   const s = show.status, end = lastTime(), w = show.water;
   const waterOf = w?.time !== undefined ? `water of ${w.time.toFixed(1)} s${w.message ? `, ${(w.message.count * w.message.stride).toLocaleString('en')} particles${w.message.stride > 1 ? `, every ${w.message.stride}th shown` : ''}` : ', depths only'}` : 'no water yet';
@@ -163,6 +175,7 @@ export function showTexts() {
   if (document.activeElement !== bar || show.playing) bar.value = show.time;
   $('live').hidden = !isLive();
   $('live').setAttribute('aria-pressed', show.live);
+  announce();
   showEvents(show.changes, show.taus, Math.max(end, 0.01));
   const person = show.people?.shown.find((p) => p.id === show.selected), agent = show.agents.get(show.selected);
   showPerson(show.selected < 0 ? null : person, show.terms, show.selected < 0 ? null : agent, 'For the terms of Eq. 5 to 9 run with --view or --terms-every-s 0.1.', show.course, show.time);

@@ -2,13 +2,14 @@
 
 import * as THREE from 'three';
 import { OrbitControls } from 'three/orbit';
-import { GROUP_COLOURS, castShadows, lightUp, lookDown, makeGround, makeSky, place } from './ground.js';
+import { GROUP_COLOURS, castShadows, fit, goalsOf, inner, lightUp, lookDown, makeGround, makeSky, place } from './ground.js';
 import { $, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showLegend } from './panel.js';
 import { People } from './people.js';
 import { Ground, makePlace } from './place.js';
 import { Stream, advance, asPeople, buffer, countStates, endedBy, faster, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, start, stateShown, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
+const calm = matchMedia('(prefers-reduced-motion: reduce)').matches; // nothing moves that the user has not started
 const plain = wanted.get('quality') === 'low'; // half the pixels along each side, 10 pictures a second, no shadows, no smooth edges
 const renderer = new THREE.WebGLRenderer({ antialias: !plain, powerPreference: 'high-performance' });
 renderer.shadowMap.enabled = !plain;
@@ -16,15 +17,20 @@ renderer.shadowMap.type = THREE.PCFShadowMap;
 renderer.toneMapping = THREE.NoToneMapping;
 $('view').append(renderer.domElement);
 renderer.domElement.tabIndex = 0;
+renderer.domElement.setAttribute('role', 'application');
+renderer.domElement.setAttribute('aria-label', 'the scene: people, water and ground; keys move the camera, ? lists them');
 
 const stage = new THREE.Scene(), sky = makeSky(false), sun = new THREE.DirectionalLight(), ambient = new THREE.HemisphereLight('#dcebf7', '#8a8065');
 stage.add(sky, sun, sun.target, ambient);
 const free = new THREE.PerspectiveCamera(46, 1, 0.1, 2000), top = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 2000);
 let camera = free;
 const controls = new OrbitControls(free, renderer.domElement);
-controls.enableDamping = true;
+controls.enableDamping = !calm;
 controls.dampingFactor = 0.12;
 controls.maxPolarAngle = 0.495 * Math.PI;
+controls.addEventListener('start', () => (show.isMoved = true));
+const topControls = new OrbitControls(top, renderer.domElement);
+Object.assign(topControls, { enableRotate: false, enabled: false, screenSpacePanning: true, mouseButtons: { LEFT: THREE.MOUSE.PAN, MIDDLE: THREE.MOUSE.DOLLY, RIGHT: THREE.MOUSE.PAN }, touches: { ONE: THREE.TOUCH.PAN, TWO: THREE.TOUCH.DOLLY_PAN } });
 show.symbols = new Symbols(stage);
 show.ring = makeRing(stage);
 
@@ -137,10 +143,16 @@ function frameCamera(length, width) {
   const centre = place(0.52 * length, groundAt(0.52 * length, 0.47 * width), 0.47 * width), reach = Math.max(0.62 * length, 1.1 * width);
   free.position.copy(centre).add(new THREE.Vector3(-0.42 * reach, 0.42 * reach, 0.72 * reach));
   controls.target.copy(centre);
+  const centreOf = (rings) => rings.flat();
+  show.corners = [[0, 0], [length, 0], [0, width], [length, width], [length / 2, 0], [length / 2, width]].concat(
+    show.scene ? goalsOf(show.scene).filter((g) => show.scene.world.ends !== 'periodic' || (g.x >= 0 && g.x <= length)).map((g) => [g.x, g.z]) : [],
+    (show.run?.place?.shelters ?? []).flatMap(({ rings }) => centreOf(rings)),
+  ).flatMap(([x, z]) => [0, 2].map((y) => place(x, groundAt(x, z) + y, z)));
   const eye = wanted.get('eye')?.split(',').map(Number); // x, y, z of the eye, then of what it looks at
   if (eye?.length === 6 && eye.every(Number.isFinite)) {
     free.position.copy(place(...eye.slice(0, 3)));
     controls.target.copy(place(...eye.slice(3)));
+    show.isMoved = true;
   }
   show.extent = [length, width, show.ground?.high ?? 0];
   const size = Math.max(length, width);
@@ -166,12 +178,41 @@ function resize() {
   free.aspect = wide / high;
   free.fov = wide < high ? 62 : 46;
   free.updateProjectionMatrix();
-  lookDown(top, show.extent ?? [100, 50], wide / high);
+  const line = $('line').getBoundingClientRect(), part = inner(wide, high, Math.min(0.4 * high, $('title').getBoundingClientRect().bottom), Math.min(0.4 * high, high - line.top));
+  lookDown(top, show.extent ?? [100, 50], wide / high, part);
+  if (show.corners && !show.isMoved) firstView(part);
+}
+
+/** The view that holds the whole world, all goals and all shelters; of directions the one in which they are seen largest. */
+function firstView(part) {
+  const middle = show.corners.reduce((sum, p) => sum.add(p), new THREE.Vector3()).divideScalar(show.corners.length);
+  const areaOf = () => {
+    const [a, b, c, d] = [0, 4, 6, 2].map((k) => show.corners[k].clone().project(free));
+    return Math.abs((c.x - a.x) * (d.y - b.y) - (d.x - b.x) * (c.y - a.y));
+  };
+  const usual = new THREE.Vector3(-0.42, 0.46, 0.72), others = innerWidth < innerHeight ? [new THREE.Vector3(0.8, 0.7, 0.1), new THREE.Vector3(-0.8, 0.7, 0.1)] : [];
+  let best = usual, most = -1;
+  for (const direction of [usual, ...others]) {
+    fit(free, show.corners, direction, part);
+    if (areaOf() > 1.15 * most) [best, most] = [direction, areaOf()];
+  }
+  fit(free, show.corners, best, part);
+  // Goals and shelters stand beside the panel at the right, not behind it.
+  const panel = $('look').getBoundingClientRect(), isBehind = (p) => {
+    const v = p.clone().project(free), x = ((v.x + 1) / 2) * innerWidth, y = ((1 - v.y) / 2) * innerHeight;
+    return x > panel.left - 12 && x < panel.right && y > panel.top && y < panel.bottom + 12;
+  };
+  if (innerWidth > 720 && show.corners.slice(12).some(isBehind)) fit(free, show.corners, best, [part[0], (2 * (panel.left - 12)) / innerWidth - 1, part[2], part[3]]);
+  const ahead = new THREE.Vector3();
+  free.getWorldDirection(ahead);
+  controls.target.copy(free.position).addScaledVector(ahead, ahead.dot(middle.sub(free.position)));
+  controls.update();
 }
 
 function look(kind) {
   camera = kind === 'top' ? top : free;
   controls.enabled = kind !== 'top';
+  topControls.enabled = kind === 'top';
   show.follows = kind === 'follow';
   $('camera').value = kind;
 }
@@ -238,7 +279,7 @@ function drawPeople(step, clock) {
   show.symbols.points.visible = show.symbolsOn;
   const marks = show.people.shown.map((p) => ({ x: p.x, y: p.y + (p.posture === 'upright' ? 0.62 * p.height : 0.75), z: p.z, state: stateShown(p) }));
   for (const end of endedBy(show.time)) if (!show.people.shown.some((p) => p.id === end.id)) marks.push({ x: end.x, y: groundAt(end.x, end.z) + 0.3, z: end.z, state: end.state });
-  show.symbols.show(marks);
+  show.symbols.show(marks, camera === top);
 }
 
 // The water of the time that is shown.
@@ -286,13 +327,15 @@ function tick(now) {
 
 function paint(now) {
   show.world?.userData.at?.(show.time);
-  const clock = isLive() || show.playing ? now / 1000 : show.time; // a time that was sought always looks the same
+  const clock = !calm && (isLive() || show.playing) ? now / 1000 : show.time; // a time that was sought always looks the same
   for (const star of show.world?.userData.stars ?? []) star.rotation.y = clock / 1.8;
   show.water?.animate(clock, innerHeight * renderer.getPixelRatio() * 0.5);
   if (show.traces) {
     show.traces.uniforms.now.value = show.time;
     show.traces.uniforms.screen.value.set(innerWidth / 2, innerHeight / 2);
     show.traces.uniforms.lift.value = camera === top ? 2.5 : 0.07;
+    show.traces.uniforms.faint.value = camera === top ? 0.3 : 1;
+    show.traces.uniforms.width.value = camera === top ? 1.1 : 1.6;
     show.traces.mesh.visible = show.tracesOn;
   }
   renderer.render(stage, camera);
@@ -362,21 +405,55 @@ const frameStep = (way) => {
   const rate = show.status?.people?.frames ? show.status.people.rate : 30;
   seek((Math.round((show.target ?? show.time) * rate) + way) / rate);
 };
+// Turns the camera round what it looks at, rad; moves it, and what it looks at, by a fraction of their distance; comes nearer.
+function turn(round, up) {
+  const offset = free.position.clone().sub(controls.target), s = new THREE.Spherical().setFromVector3(offset);
+  s.theta += round;
+  s.phi = Math.min(controls.maxPolarAngle, Math.max(0.05, s.phi - up));
+  free.position.copy(controls.target).add(offset.setFromSpherical(s));
+  show.isMoved = true;
+}
+function pan(right, ahead) {
+  const used = camera === top ? topControls : controls, reach = camera === top ? (top.top - top.bottom) / top.zoom : free.position.distanceTo(controls.target);
+  const x = new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, 0).setY(0).normalize(), z = new THREE.Vector3(0, 1, 0).cross(x);
+  const move = x.multiplyScalar(right * reach).addScaledVector(z, ahead * reach);
+  camera.position.add(move);
+  used.target.add(move);
+  show.isMoved ||= camera !== top;
+}
+function nearer(factor) {
+  if (camera === top) return void ((top.zoom = Math.min(50, Math.max(0.5, top.zoom * factor))), top.updateProjectionMatrix());
+  free.position.sub(controls.target).divideScalar(factor).add(controls.target);
+  show.isMoved = true;
+}
+function begin() {
+  show.isMoved = false;
+  top.zoom = 1;
+  resize();
+}
 const newest = () => {
   show.live = isLive();
   if (show.live) show.target = null;
 };
+function help(isOpen) {
+  $('help').classList.toggle('open', isOpen);
+  $(isOpen ? 'help-close' : 'ask').focus();
+}
 const KEYS = {
   ' ': () => setPlaying(!show.playing), ',': () => frameStep(-1), '.': () => frameStep(1), ArrowLeft: () => frameStep(-1), ArrowRight: () => frameStep(1), '-': () => faster(-1), '+': () => faster(1),
   Home: () => seek(0), End: () => seek(lastTime()), l: newest, w: () => cycle('form'), c: () => cycle('mode'), t: () => look(camera === top ? 'free' : 'top'),
   f: () => look('follow'), n: () => neighbour(1), p: () => neighbour(-1), r: () => (show.tracesOn = !show.tracesOn), s: () => (show.symbolsOn = !show.symbolsOn),
-  d: () => theme(!show.dark), '?': () => $('help').classList.toggle('open'), Escape: () => ($('help').classList.remove('open'), select(-1)),
+  d: () => theme(!show.dark), '?': () => help(!$('help').classList.contains('open')), Escape: () => ($('help').classList.contains('open') ? help(false) : select(-1)),
+  'Shift+ArrowLeft': () => turn(-0.1, 0), 'Shift+ArrowRight': () => turn(0.1, 0), 'Shift+ArrowUp': () => turn(0, 0.07), 'Shift+ArrowDown': () => turn(0, -0.07),
+  ArrowUp: () => pan(0, 0.05), ArrowDown: () => pan(0, -0.05), '[': () => pan(-0.05, 0), ']': () => pan(0.05, 0), PageUp: () => nearer(1.15), PageDown: () => nearer(1 / 1.15), 0: begin,
 };
 addEventListener('keydown', (event) => {
   if (['SELECT', 'INPUT'].includes(event.target.tagName) && !['?', 'Escape'].includes(event.key)) return;
-  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
+  if (event.target.tagName === 'BUTTON' && [' ', 'Enter'].includes(event.key)) return; // they press it
+  const key = event.shiftKey && event.key.startsWith('Arrow') ? `Shift+${event.key}` : event.key;
+  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[key]) return;
   event.preventDefault();
-  KEYS[event.key]();
+  KEYS[key]();
 });
 const on = (id, name, does) => $(id).addEventListener(name, does);
 on('play', 'click', () => (show.live ? (show.live = false, setPlaying(false)) : setPlaying(!show.playing)));
@@ -385,7 +462,7 @@ on('on', 'click', () => frameStep(1));
 on('live', 'click', newest);
 on('theme', 'click', () => theme(!show.dark));
 on('ask', 'click', KEYS['?']);
-on('help', 'click', KEYS['?']);
+on('help-close', 'click', KEYS['?']);
 on('more', 'click', () => $('look').classList.toggle('open'));
 on('time', 'input', () => seek(+$('time').value));
 on('speed', 'change', () => (show.speed = +$('speed').value));
@@ -402,7 +479,7 @@ on('run-step', 'click', () => stream.command('step'));
 
 /** For tests and for who drives the page from a script. */
 window.wade = {
-  show, project, select, look, theme, setPlaying, stream: () => stream,
+  show, project, select, look, eye: () => free.position.toArray(), theme, setPlaying, stream: () => stream,
   seek: (time) => (seek(time), (awake = 6)),
   picture, paint: () => paint(0),
   counts: () => show.counts ?? {},
@@ -413,6 +490,7 @@ window.wade = {
 };
 
 fillHelp();
+if (calm && !wanted.has('play')) show.playing = false;
 theme(wanted.has('dark') ? wanted.get('dark') === '1' : matchMedia('(prefers-color-scheme: dark)').matches);
 setPlaying(show.playing);
 resize();
