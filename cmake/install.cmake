@@ -30,7 +30,7 @@ install(DIRECTORY tools/viewer/page DESTINATION ${share}/tools/viewer PATTERN no
 install(FILES tools/viewer/film.mjs DESTINATION ${share}/tools/viewer)
 # All data of the scenes, whatever their format; no sources.
 install(DIRECTORY configs DESTINATION ${share}
-  REGEX "/(CMakeLists.txt|[^/]*[.](cpp|hpp|cmake|md|py))$" EXCLUDE
+  REGEX "/(CMakeLists.txt|[^/]*[.](cpp|hpp|inc|cmake|md|py))$" EXCLUDE
   REGEX "/configs/(checks|errors|files|json|loading|numbers|program|scene/fields)$" EXCLUDE)
 
 # Completion: one function for all, found by the name of the command.

@@ -122,11 +122,12 @@ class Install(unittest.TestCase):
         self.assertIn('"status"', (run / "outcome.json").read_text())
 
     def test_it_holds_all_data_of_the_sources(self):
-        no_data = {".cpp", ".hpp", ".cmake", ".md", ".pyc"}
+        no_data = {".cpp", ".hpp", ".inc", ".cmake", ".md", ".pyc"}
         share = self.prefix / "share" / "wade"
         for folder in ("configs", "tools/python", "tools/viewer/page"):
-            wanted = {name for name in files_below(ROOT / folder) if Path(name).suffix not in no_data
-                      and Path(name).name not in ("CMakeLists.txt", "make_village.py") and "node_modules" not in name}
+            code = no_data | {".py"} if folder == "configs" else no_data
+            wanted = {name for name in files_below(ROOT / folder) if Path(name).suffix not in code
+                      and Path(name).name != "CMakeLists.txt" and "node_modules" not in name}
             self.assertEqual(wanted, files_below(share / folder), folder)
 
     def test_a_site_runs_with_its_rasters_and_tables(self):
