@@ -210,6 +210,9 @@ class TiffReader {
             if (keys[i] >= key_vertical && keys[i] <= last_vertical_key)
                 fail("it names a vertical system; allowed: none, heights in metres above one zero. " + import_words());
             if (keys[i + 1] != 0) continue;  // its value lies elsewhere
+            if (keys[i + 2] != 1)
+                fail("its key " + std::to_string(keys[i]) + " has " + std::to_string(keys[i + 2]) +
+                     " values; allowed: 1. " + import_words());
             const std::uint16_t value = keys[i + 3];
             if (keys[i] == key_model) model = value;
             if (keys[i] == key_raster) point_ = value == raster_is_point;
@@ -287,7 +290,7 @@ class TiffReader {
         if (TIFFIsTiled(tiff_.get())) {
             read_tiles(values);
         } else {
-            read_rows(values);
+            read_strips(values);
         }
         for (std::size_t row = 0; row < raster.rows / 2; ++row) {  // the northern one comes first in the file
             const auto low = values.begin() + static_cast<std::ptrdiff_t>(row * raster.columns);
@@ -298,22 +301,27 @@ class TiffReader {
     std::vector<std::uint8_t> buffer_of(std::uint64_t size) const {
         constexpr std::uint64_t most = std::uint64_t{1} << 25;
         if (size == 0 || size > most)
-            fail("a tile or row has " + std::to_string(size) + " bytes; allowed: up to 32 MiB");
+            fail("a tile or strip has " + std::to_string(size) + " bytes; allowed: up to 32 MiB");
         return std::vector<std::uint8_t>(size);
     }
 
-    void read_rows(std::vector<double>& values) {
-        std::vector<std::uint8_t> line = buffer_of(TIFFScanlineSize64(tiff_.get()));
-        if (line.size() < std::uint64_t{width_} * bits_ / 8) fail("its rows do not fit their cells");
-        for (std::uint32_t row = 0; row < height_; ++row) {
-            if (is_sparse(TIFFComputeStrip(tiff_.get(), row, 0))) {
-                values.resize(values.size() + width_, no_value);
+    // Strips are decoded as a whole, so that the checksum of a compressed one is compared.
+    void read_strips(std::vector<double>& values) {
+        const std::uint32_t rows = std::min(field<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, height_), height_);
+        if (rows == 0) fail("its strips have no rows");
+        std::vector<std::uint8_t> strip = buffer_of(TIFFStripSize64(tiff_.get()));
+        for (std::uint32_t row = 0, number = 0; row < height_; row += rows, ++number) {
+            const std::size_t cells = std::size_t{std::min(rows, height_ - row)} * width_;
+            if (is_sparse(number)) {
+                values.resize(values.size() + cells, no_value);
                 continue;
             }
-            if (TIFFReadScanline(tiff_.get(), line.data(), row, 0) < 0)
+            const tmsize_t got =
+                TIFFReadEncodedStrip(tiff_.get(), number, strip.data(), static_cast<tmsize_t>(strip.size()));
+            if (got < 0 || static_cast<std::size_t>(got) < cells * bits_ / 8)
                 fail("row " + std::to_string(row) + " and those below cannot be read: it is damaged or cut short" +
                      why());
-            for (std::size_t i = 0; i < width_; ++i) values.push_back(value_at(line.data(), i));
+            for (std::size_t i = 0; i < cells; ++i) values.push_back(value_at(strip.data(), i));
         }
     }
 
