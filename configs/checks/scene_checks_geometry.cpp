@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
@@ -137,7 +138,7 @@ struct Strait {
 
     void take(const PlanSide& side, const MapPoint& p) {
         const MapPoint foot = on_map::nearest_on(side.a, side.b, p);
-        const double distance = std::hypot(foot.x - p.x, foot.z - p.z);
+        const double distance = length_of(foot.x - p.x, foot.z - p.z);
         if (distance >= width) return;
         width = distance;
         middle = {0.5 * (foot.x + p.x), 0.5 * (foot.z + p.z)};

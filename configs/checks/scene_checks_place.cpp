@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/choices.hpp"
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/fluid.hpp"
@@ -120,7 +121,7 @@ double distance_to(const MapLine& ring, const MapPoint& p) {
     double nearest = INFINITY;
     for (std::size_t k = 0; k < ring.size(); ++k) {
         const MapPoint foot = on_map::nearest_on(ring[k], ring[(k + 1) % ring.size()], p);
-        nearest = std::min(nearest, std::hypot(p.x - foot.x, p.z - foot.z));
+        nearest = std::min(nearest, length_of(p.x - foot.x, p.z - foot.z));
     }
     return nearest;
 }
@@ -280,7 +281,7 @@ std::vector<MapPoint> points_of(const Source& source, double cell) {
     const MapBox box = box_of(source.polygon);
     for (std::size_t k = 1; k < source.line.size(); ++k) {
         const MapPoint &a = source.line[k - 1], &b = source.line[k];
-        const double length = std::hypot(b.x - a.x, b.z - a.z), steps = std::clamp(std::ceil(length / cell), 1.0, most);
+        const double length = length_of(b.x - a.x, b.z - a.z), steps = std::clamp(std::ceil(length / cell), 1.0, most);
         for (double s = 1; s < steps; ++s)
             points.push_back({a.x + s / steps * (b.x - a.x), a.z + s / steps * (b.z - a.z)});
     }

@@ -1,15 +1,9 @@
 #pragma once
 // Values that are drawn: normal ones within limits, uniform ones.
 
-#include <cmath>
-#include <numbers>
+#include "configs/numbers/portable.hpp"
 
 namespace wade {
-
-// Share of the normal values below z standard deviations.
-[[nodiscard]] inline double normal_share(double z) {
-    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
-}
 
 // The value of [lo, hi] below which the share u of the normal values within these limits lies, u in [0, 1]. Bisection: the
 // shares rise, and 80 halvings leave nothing.

@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "configs/numbers/portable.hpp"
+
 namespace wade {
 
 // Two agents must start at least this far apart, m: at one place the direction in which they separate is undefined.
@@ -26,7 +28,7 @@ class NearPlaces {
                 const auto found = cells_.find(key(cx, cz));
                 if (found == cells_.end()) continue;
                 for (const Place& place : found->second) {
-                    if (std::hypot(x - place.x, z - place.z) < smallest_start_distance) return place.id;
+                    if (length_of(x - place.x, z - place.z) < smallest_start_distance) return place.id;
                 }
             }
         }

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "configs/numbers/portable.hpp"
+
 namespace wade {
 
 // A point of the map, m.
@@ -202,7 +204,7 @@ struct Place {
         const MapPoint &a = outlet.line[k - 1], &b = outlet.line[k];
         const double x = b.x - a.x, z = b.z - a.z, square = x * x + z * z;
         const double along = square > 0 ? std::clamp(((p.x - a.x) * x + (p.z - a.z) * z) / square, 0.0, 1.0) : 0;
-        if (std::hypot(a.x + along * x - p.x, a.z + along * z - p.z) <= reach) return true;
+        if (length_of(a.x + along * x - p.x, a.z + along * z - p.z) <= reach) return true;
     }
     return false;
 }

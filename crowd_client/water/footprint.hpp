@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "configs/numbers/portable.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/ground_cells.hpp"
 
@@ -70,7 +71,7 @@ class Footprints {
     void find_width(double mass) {
         constexpr double widest = 8;
         mass_ = mass;
-        const double width = std::cbrt(std::max(0.0, mass) / density_);
+        const double width = cube_root(std::max(0.0, mass) / density_);
         columns_ = std::min(width * per_x_, widest);
         rows_ = std::min(width * per_z_, widest);
     }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
@@ -179,7 +180,7 @@ std::vector<std::string> Plausibility::look(const WaterView& water, std::uint64_
 
     Box found;
     double volume = 1;
-    const double width = std::cbrt(static_cast<double>(sums.heaviest) / rest_density_);
+    const double width = cube_root(static_cast<double>(sums.heaviest) / rest_density_);
     for (std::size_t i = 0; i < 3; ++i) {
         const double a = origin[i] + scale[i] * static_cast<double>(sums.lo[i]);
         const double b = origin[i] + scale[i] * static_cast<double>(sums.hi[i]);

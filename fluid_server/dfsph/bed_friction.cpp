@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
@@ -146,7 +147,7 @@ double WaterColumns::depth(std::size_t c) const {
 }
 
 double WaterColumns::speed(std::size_t c) const {
-    return std::hypot(columns_[c].vx, columns_[c].vz) / columns_[c].particles;
+    return length_of(columns_[c].vx, columns_[c].vz) / columns_[c].particles;
 }
 
 bool is_rough(const Scene& scene) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "configs/scene/scene_frames.hpp"
 #include "fluid_server/make_model.hpp"
@@ -51,7 +52,7 @@ class Frame {
         }
         impulse.x += x * dt;
         impulse.z += z * dt;
-        impulse.load += std::hypot(x, z) * dt;
+        impulse.load += length_of(x, z) * dt;
     }
 
  private:
@@ -82,7 +83,7 @@ double median_difference(const PatchRun& a, const PatchRun& b) {
     std::vector<double> differences;
     for (std::size_t p = 0; p < a.impulses.size(); ++p) {
         const ProbeImpulse &i = a.impulses[p], &j = b.impulses[p];
-        if (j.load > 0) differences.push_back(std::hypot(i.x - j.x, i.z - j.z) / j.load);
+        if (j.load > 0) differences.push_back(length_of(i.x - j.x, i.z - j.z) / j.load);
     }
     if (differences.empty()) return 0;
     const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);

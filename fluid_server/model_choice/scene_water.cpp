@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "configs/checks/scene_checks.hpp"
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/world.hpp"
@@ -58,7 +59,7 @@ double fastest(const Channel& channel) {
     double velocity = channel.velocity;
     for (const VelocityPoint& point : channel.velocity_history) velocity = std::max(velocity, point.velocity);
     for (const WaterBlock& block : channel.water_blocks) {
-        velocity = std::max(velocity, std::hypot(block.velocity[0], block.velocity[2]));
+        velocity = std::max(velocity, length_of(block.velocity[0], block.velocity[2]));
     }
     return velocity;
 }

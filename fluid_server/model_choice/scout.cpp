@@ -6,6 +6,7 @@
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/interval.hpp"
@@ -75,7 +76,7 @@ struct Record {
         const double h = world.water.h[cell];
         if (h <= wet_depth) return;
         if (first_time < 0) first_time = world.time;
-        const double u = std::hypot(world.primitive.u[cell], world.primitive.v[cell]);
+        const double u = length_of(world.primitive.u[cell], world.primitive.v[cell]);
         if (h * u >= depth * speed) depth = h, speed = u;
     }
 };

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "configs/numbers/portable.hpp"
 #include "fluid_server/neighbours/cluster_places.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -370,7 +371,7 @@ Obstruction::Beside Obstruction::beside(std::uint32_t wall, const Wall& at) cons
         const bool goes_on = (at.edge_before && numbers[w] == at.before) || (at.edge_after && numbers[w] == at.after);
         if (numbers[w] == wall || goes_on) bits.walls |= std::uint64_t{1} << w;
     }
-    const auto is_at = [](const PlanPoint& a, const PlanPoint& b) { return std::hypot(a.x - b.x, a.z - b.z) < 1e-4F; };
+    const auto is_at = [](const PlanPoint& a, const PlanPoint& b) { return length_of(a.x - b.x, a.z - b.z) < 1e-4F; };
     for (std::size_t e = 0; e < edges.size(); ++e) {
         if (is_at(edges[e].at, at.a) || is_at(edges[e].at, end)) bits.edges |= std::uint64_t{1} << e;
     }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <span>
 
+#include "configs/numbers/portable.hpp"
 #include "fluid_server/neighbours/billiard.hpp"
 #include "fluid_server/neighbours/cluster_places.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
@@ -161,7 +162,7 @@ class PlaceSearch {
         constexpr float same_place = 1e-4F;  // m
         std::vector<Obstruction::Edge>& edges = buffers_.obstruction.edges;
         auto edge = std::find_if(edges.begin(), edges.end(), [&](const Obstruction::Edge& e) {
-            return std::hypot(e.at.x - at.x, e.at.z - at.z) < same_place;
+            return length_of(e.at.x - at.x, e.at.z - at.z) < same_place;
         });
         if (edge == edges.end()) {
             if (edges.size() == Obstruction::most) return;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/channel.hpp"
 #include "configs/scene/scene.hpp"
 
@@ -36,7 +37,7 @@ struct BedFacet {
     for (std::size_t k = 0; k + 1 < points.size(); ++k) {
         const double dx = points[k + 1].x - points[k].x;
         const double dy = points[k + 1].y - points[k].y;
-        const double length = std::hypot(dx, dy);
+        const double length = length_of(dx, dy);
         facets.push_back({f(points[k].x), f(points[k + 1].x), f(points[k].x), f(points[k].y), f(-dy / length) + 0.0F,
                           f(dx / length)});
     }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "configs/numbers/portable.hpp"
 #include "fluid_server/particles/parallel.hpp"
 
 namespace wade::fluid {
@@ -39,8 +40,8 @@ GroundVector impulse_now(const Push& push, double share, const NearWater& water,
     if (water.weight > 0) {
         const double ux = water.momentum[0] / water.weight - push.velocity[0];
         const double uz = water.momentum[1] / water.weight - push.velocity[1];
-        const double most = std::hypot(ux, uz) * water.weight * water.weight / water.squares;
-        const double asked = std::hypot(wanted[0], wanted[1]);
+        const double most = length_of(ux, uz) * water.weight * water.weight / water.squares;
+        const double asked = length_of(wanted[0], wanted[1]);
         part = asked > most ? most / asked : 1;
     }
     for (std::size_t axis = 0; axis < 2; ++axis) account.missing[axis] += (1 - part) * wanted[axis];

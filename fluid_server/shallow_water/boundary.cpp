@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/channel.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -67,7 +68,7 @@ double momentum_flux(double q, double h, double g) {
 double depth_on_wave(double q, double h, double u, double g) {
     const double invariant = u - 2 * std::sqrt(g * h);
     if (q <= 0) return std::pow(std::max(0.0, -0.5 * invariant), 2) / g;
-    double c = std::min(std::cbrt(q * g), q * g > 0 && invariant < 0 ? std::sqrt(q * g / -invariant) : 1e300);
+    double c = std::min(cube_root(q * g), q * g > 0 && invariant < 0 ? std::sqrt(q * g / -invariant) : 1e300);
     for (int k = 0; k < 50; ++k) {
         const double step = (q * g / (c * c) - 2 * c - invariant) / (2 * q * g / (c * c * c) + 2);
         c += step;
@@ -118,7 +119,7 @@ void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, dou
 }
 
 double inflow_depth(double discharge, double nozzle_depth, double h, double u, double gravity) {
-    const double critical = std::cbrt(discharge * discharge / gravity);
+    const double critical = cube_root(discharge * discharge / gravity);
     const double on_wave = std::max(critical, depth_on_wave(discharge, h, u, gravity));
     const double velocity = discharge / nozzle_depth;
     if (velocity * velocity < gravity * nozzle_depth) return on_wave;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "configs/numbers/portable.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/world.hpp"
 
@@ -77,7 +78,7 @@ GroundGrid ground_grid(const Ground& ground, const World& world, double spacing)
 
 // Whether a free outlet is at each point of a side of the world, from one corner to the other, that is in no house.
 bool is_open(const Place& place, const PlaceShape& shape, const MapPoint& from, const MapPoint& to, double reach) {
-    const double length = std::hypot(to.x - from.x, to.z - from.z), steps = std::max(1.0, std::ceil(length / reach));
+    const double length = length_of(to.x - from.x, to.z - from.z), steps = std::max(1.0, std::ceil(length / reach));
     bool any = false;
     for (double s = 0.5; s < steps; ++s) {
         const MapPoint p{from.x + s / steps * (to.x - from.x), from.z + s / steps * (to.z - from.z)};
@@ -151,7 +152,7 @@ double Triangles::height_at(const MapPoint& p) const {
     }
     double nearest = std::numeric_limits<double>::infinity(), height = std::numeric_limits<double>::quiet_NaN();
     for (std::size_t n = 3; n < place_.size(); ++n) {
-        const double distance = std::hypot(place_[n].x - p.x, place_[n].z - p.z);
+        const double distance = length_of(place_[n].x - p.x, place_[n].z - p.z);
         if (distance >= nearest) continue;
         nearest = distance, height = height_[n];
     }

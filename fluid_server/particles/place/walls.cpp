@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "configs/numbers/portable.hpp"
+
 // Each outline is cut where others cross or touch it. A piece is a wall if there is water on one side of it and none on the other;
 // the two sides of a closed gate are a wall each. Walls that meet at a corner of the water know one another: going along a wall with
 // the water on the left, the next wall is the first one to be met turning right from the way back.
@@ -37,7 +39,7 @@ MapPoint minus(const MapPoint& a, const MapPoint& b) {
     return {a.x - b.x, a.z - b.z};
 }
 double length_of(const MapPoint& u) {
-    return std::hypot(u.x, u.z);
+    return length_of(u.x, u.z);
 }
 
 struct PlanBox {
@@ -238,7 +240,7 @@ float distance_between(const Wall& a, const Wall& b) {
     const auto to = [](const Wall& wall, const PlanPoint& p) {
         const float s = std::clamp(wall.along(p.x, p.z), 0.0F, wall.length);
         const PlanPoint foot = wall.at(s);
-        return std::hypot(p.x - foot.x, p.z - foot.z);
+        return length_of(p.x - foot.x, p.z - foot.z);
     };
     return std::min({to(a, b.a), to(a, b.end()), to(b, a.a), to(b, a.end())});
 }

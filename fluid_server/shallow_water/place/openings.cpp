@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "configs/numbers/portable.hpp"
 #include "fluid_server/shallow_water/place/map_cover.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -133,8 +134,8 @@ MapLine up_to_walls(const OpenGrid& open, const Grid& grid, MapLine line) {
         const double column = (end.x - grid.x.lo) / grid.dx, row = (end.z - grid.z.lo) / grid.dz;
         if (!(column >= 0 && row >= 0 && column < double(open.nx) && row < double(open.nz))) return;
         if (open.share[static_cast<std::size_t>(row) * open.nx + static_cast<std::size_t>(column)] >= 1) return;
-        const double x = end.x - from.x, z = end.z - from.z, reach = 0.5 * std::hypot(grid.dx, grid.dz);
-        end.x += reach * x / std::hypot(x, z), end.z += reach * z / std::hypot(x, z);
+        const double x = end.x - from.x, z = end.z - from.z, reach = 0.5 * length_of(grid.dx, grid.dz);
+        end.x += reach * x / length_of(x, z), end.z += reach * z / length_of(x, z);
     };
     lengthen(line.front(), line[1]);
     lengthen(line.back(), line[line.size() - 2]);
@@ -289,7 +290,7 @@ EntriesByRow<WallCell> wall_cells(const OpenGrid& open) {
             if (open.share[k * open.nx + i] <= 0) continue;
             const Sides4 a = open.faces(k * open.nx + i);
             const double x = a[x_lower] - a[x_upper], z = a[z_lower] - a[z_upper];
-            if (x != 0 || z != 0) entries.push_back({static_cast<std::uint32_t>(i), x, z, std::hypot(x, z)});
+            if (x != 0 || z != 0) entries.push_back({static_cast<std::uint32_t>(i), x, z, length_of(x, z)});
         }
     });
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/numbers/portable.hpp"
 #include "fluid_server/shallow_water/place/map_cover.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -97,7 +98,7 @@ PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& 
         look(i + 1 < grid.nx, c + 1, c + 1, true, 1);
         look(k > 0, c - grid.stride, c, false, -1);
         look(k + 1 < grid.nz, c + grid.stride, c + grid.stride, false, 1);
-        const double length = std::hypot(cell.normal_x, cell.normal_z);
+        const double length = length_of(cell.normal_x, cell.normal_z);
         if (length > 0) cell.normal_x /= length, cell.normal_z /= length;
         const bool same_line = !result.lines.empty() && result.lines.back().row == k &&
                                result.lines.back().column / line_values == i / line_values;
@@ -209,7 +210,7 @@ double longest_with_inflow(const PlaceWater& place, double time, double longest,
         rate = std::max(rate, per_volume * largest(source.discharge));
     }
     if (!(rate > 0)) return longest;
-    return std::min(longest, std::cbrt(way * way / (gravity * rate)));
+    return std::min(longest, cube_root(way * way / (gravity * rate)));
 }
 
 std::vector<std::size_t> groups_of(const PlaceWater& place, const Openings& openings) {
