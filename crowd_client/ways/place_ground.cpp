@@ -124,12 +124,16 @@ void find_wet_slowness(const Navigation& navigation, GroupWays& group, const Wat
         factor[c] = static_cast<float>(share > 0 ? 1 / share : shut_factor);
     }
     group.slowness.resize(grid.closed.size());
+    std::vector<std::size_t> columns(static_cast<std::size_t>(grid.columns));  // of the water's cells
+    for (int column = 0; column < grid.columns; ++column) {
+        columns[static_cast<std::size_t>(column)] = place.column_at(grid.place(column, 0).x());
+    }
     for (int row = 0; row < grid.rows; ++row) {
-        for (int column = 0; column < grid.columns; ++column) {
-            const std::uint32_t node = grid.node(column, row);
-            const double dry = place.dry.empty() ? 1 : place.dry[node];
-            const auto in_cell = static_cast<double>(factor[place.cell_at(grid.place(column, row))]);
-            group.slowness[node] = dry * in_cell;
+        const float* const of_row = &factor[place.row_at(grid.place(0, row).y()) * place.cells.columns];
+        const std::uint32_t first = grid.node(0, row);
+        for (std::size_t column = 0; column < columns.size(); ++column) {
+            const double dry = place.dry.empty() ? 1 : place.dry[first + column];
+            group.slowness[first + column] = dry * static_cast<double>(of_row[columns[column]]);
         }
     }
 }

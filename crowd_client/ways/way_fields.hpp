@@ -68,13 +68,16 @@ struct PlaceWays {
     [[nodiscard]] bool is_full(std::size_t shelter) const {
         return capacity[shelter] > 0 && taken[shelter] >= capacity[shelter];
     }
-    // The cell of the water of a place; beyond the last the nearest.
+    // Return the water's column of cells at x and its row at z, beyond the outermost these.
+    [[nodiscard]] std::size_t column_at(double x) const { return line(x - cells.x0, cells.step_x, cells.columns); }
+    [[nodiscard]] std::size_t row_at(double z) const { return line(z - cells.z0, cells.step_z, cells.rows); }
     [[nodiscard]] std::size_t cell_at(const Vector2d& p) const {
-        const auto line = [](double at, double step, std::size_t count) {
-            return static_cast<std::size_t>(std::clamp(at / step, 0.0, static_cast<double>(count - 1)));
-        };
-        return line(p.y() - cells.z0, cells.step_z, cells.rows) * cells.columns +
-               line(p.x() - cells.x0, cells.step_x, cells.columns);
+        return row_at(p.y()) * cells.columns + column_at(p.x());
+    }
+
+ private:
+    static std::size_t line(double at, double step, std::size_t count) {
+        return static_cast<std::size_t>(std::clamp(at / step, 0.0, static_cast<double>(count - 1)));
     }
 };
 

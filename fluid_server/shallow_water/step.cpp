@@ -1,7 +1,9 @@
 #include "fluid_server/shallow_water/step.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
@@ -32,11 +34,16 @@ double fastest_of_row(const Cells& cells, std::size_t n, double gravity, double 
     return std::isfinite(check) ? fastest : check;
 }
 
+// Returns the sum of n values in an order that no vector width changes: eight partial sums, added at the end.
 double sum_of_row(const double* values, std::size_t n) {
-    double total = 0;
-#pragma omp simd reduction(+ : total)
-    for (std::size_t i = 0; i < n; ++i) total += values[i];
-    return total;
+    constexpr std::size_t lanes = 8;
+    std::array<double, lanes> partial{};
+    std::size_t i = 0;
+    for (; i + lanes <= n; i += lanes) {
+        for (std::size_t k = 0; k < lanes; ++k) partial[k] += values[i + k];
+    }
+    for (std::size_t k = 0; i + k < n; ++k) partial[k] += values[i + k];
+    return std::accumulate(partial.begin(), partial.end(), 0.0);
 }
 
 double sum(const std::vector<double>& values) {

@@ -1,4 +1,8 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "configs/numbers/fnv1a.hpp"
 #include "configs/numbers/splitmix.hpp"
@@ -23,4 +27,44 @@ TEST_CASE("fractions of bits fill [0, 1) and leave 1 out", "[numbers]") {
     CHECK(unit_fraction(0) == 0);
     CHECK(unit_fraction(1ULL << 63) == 0.5);
     CHECK(unit_fraction(~0ULL) == 1 - 0x1p-53);
+}
+
+namespace {
+
+struct Pair {
+    double x = 0, z = 0;
+};
+
+// Sends what is due, rounded to float, and adds it to what was sent: the loop of impulses to the water.
+[[gnu::noinline]] void send(const std::vector<Pair>& due, std::vector<Pair>& sent, std::vector<float>& to_x,
+                            std::vector<float>& to_z) {
+    for (std::size_t i = 0; i < due.size(); ++i) {
+        const auto x = static_cast<float>(due[i].x - sent[i].x), z = static_cast<float>(due[i].z - sent[i].z);
+        sent[i].x += static_cast<double>(x);
+        sent[i].z += static_cast<double>(z);
+        to_x[i] = x;
+        to_z[i] = z;
+    }
+}
+
+}  // namespace
+
+// g++ 12 with vectorisation of straight-line code loses the rounding of pairs (wade_target.cmake).
+TEST_CASE("a value that is rounded to float and read back is the rounded one", "[numbers]") {
+    constexpr std::size_t n = 50;
+    std::vector<Pair> due(n), sent(n), received(n);
+    std::vector<float> x(n), z(n);
+    std::uint64_t state = 1;
+    const auto draw = [&] { return 3 * unit_fraction(mix_bits(state += splitmix_step)); };
+    double worst = 0;
+    for (int step = 0; step < 100; ++step) {
+        for (Pair& pair : due) pair.x += draw(), pair.z += draw();
+        send(due, sent, x, z);
+        for (std::size_t i = 0; i < n; ++i) {
+            received[i].x += static_cast<double>(x[i]);
+            received[i].z += static_cast<double>(z[i]);
+            worst = std::max({worst, std::abs(received[i].x - sent[i].x), std::abs(received[i].z - sent[i].z)});
+        }
+    }
+    CHECK(worst == 0);
 }
