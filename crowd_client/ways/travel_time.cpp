@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "configs/scene/interval.hpp"
 #include "configs/scene/obstacle.hpp"
@@ -38,7 +37,7 @@ void close_all(TravelGrid& grid, const Lines& columns, const Lines& rows, std::u
 class March {
  public:
     March(std::vector<double>& travel, MarchMemory& memory, const TravelGrid& grid, std::span<const double> slowness)
-        : travel_(travel), heap_(memory.heap), done_(memory.done), grid_(grid), slowness_(slowness) {
+        : travel_(travel), queue_(memory.queue), done_(memory.done), grid_(grid), slowness_(slowness) {
         a_ = 1 / (grid.dx * grid.dx);
         b_ = 1 / (grid.dz * grid.dz);
     }
@@ -46,16 +45,13 @@ class March {
     void offer(std::uint32_t node, double time) {
         if (!(time < travel_[node])) return;
         travel_[node] = time;
-        heap_.emplace_back(time, node);
-        std::push_heap(heap_.begin(), heap_.end(), std::greater<>{});  // ties by number, so that the order is one
+        queue_.push(time, node);
     }
 
-    // A node is in the heap once for each time that it was offered; all but the first to come out are stale.
+    // A node is in the queue once for each time that it was offered; all but the first to come out are stale.
     void run() {
-        while (!heap_.empty()) {
-            std::pop_heap(heap_.begin(), heap_.end(), std::greater<>{});
-            const std::uint32_t node = heap_.back().second;
-            heap_.pop_back();
+        while (!queue_.empty()) {
+            const std::uint32_t node = queue_.pop();
             if (done_[node] != 0) continue;
             done_[node] = 1;
             const auto stride = static_cast<std::uint32_t>(grid_.columns);
@@ -107,7 +103,7 @@ class March {
     }
 
     std::vector<double>& travel_;
-    std::vector<std::pair<double, std::uint32_t>>& heap_;
+    MonotoneQueue& queue_;
     std::vector<std::uint8_t>& done_;
     const TravelGrid& grid_;
     std::span<const double> slowness_;
@@ -210,7 +206,7 @@ void march(std::vector<double>& travel, MarchMemory& memory, const TravelGrid& g
            std::span<const std::pair<std::uint32_t, double>> starts) {
     travel.assign(grid.closed.size(), unreachable);
     memory.done.assign(grid.closed.size(), 0);
-    memory.heap.clear();
+    memory.queue.clear();
     March marching(travel, memory, grid, slowness);
     for (const auto& [node, time] : starts) {
         if ((grid.closed[node] & TravelGrid::node_closed) == 0) marching.offer(node, time);

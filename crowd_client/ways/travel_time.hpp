@@ -24,6 +24,7 @@
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
+#include "crowd_client/ways/monotone_queue.hpp"
 
 namespace wade::crowd {
 
@@ -60,7 +61,7 @@ constexpr double unreachable = std::numeric_limits<double>::infinity();
 
 // Working memory.
 struct MarchMemory {
-    std::vector<std::pair<double, std::uint32_t>> heap;  // times that may still be overtaken, the least on top
+    MonotoneQueue queue;  // nodes whose times may still become less
     std::vector<std::uint8_t> done;
 };
 

@@ -1,9 +1,13 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "configs/scene/obstacle.hpp"
+#include "crowd_client/markers/counter_random.hpp"
+#include "crowd_client/ways/monotone_queue.hpp"
 #include "crowd_client/ways/travel_time.hpp"
 
 using namespace wade;
@@ -129,4 +133,25 @@ TEST_CASE("A closed court has no travel time, and a box beyond the grid closes n
     CHECK_FALSE(is_reached(travel, grid, 10, 10));
     CHECK_FALSE(is_reached(travel, grid, 5.5, 10));
     CHECK(is_reached(travel, grid, 20, 20));
+}
+
+TEST_CASE("The queue of a march gives the order of pairs of time and node") {
+    MonotoneQueue queue;
+    std::vector<std::pair<double, std::uint32_t>> expected{{0, 3}, {0, 1}, {0.25, 2}};
+    for (const auto& [time, node] : expected) queue.push(time, node);
+    for (std::uint64_t draw = 0; !expected.empty(); ++draw) {
+        const auto least = std::min_element(expected.begin(), expected.end());
+        const auto [time, node] = *least;
+        REQUIRE(queue.pop() == node);
+        expected.erase(least);
+        for (const std::uint64_t k : {2 * draw, 2 * draw + 1}) {
+            if (k > 2000) break;
+            // Some of the times are equal to the last or to one another.
+            const double later = time + std::floor(8 * counter_uniform(1, 0, k)) * 0x1p-30;
+            const auto other = static_cast<std::uint32_t>(1000 * counter_uniform(1, 1, k));
+            queue.push(later, other);
+            expected.emplace_back(later, other);
+        }
+    }
+    CHECK(queue.empty());
 }
