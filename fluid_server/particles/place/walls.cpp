@@ -38,9 +38,6 @@ double cross(const MapPoint& u, const MapPoint& v) {
 MapPoint minus(const MapPoint& a, const MapPoint& b) {
     return {a.x - b.x, a.z - b.z};
 }
-double length_of(const MapPoint& u) {
-    return length_of(u.x, u.z);
-}
 
 struct PlanBox {
     MapPoint lo, hi;
@@ -79,7 +76,7 @@ std::vector<Piece> outlines(const PlaceShape& shape, double time, double margin)
 // Where along a piece, 0 to 1, another one crosses it or ends on it.
 void cuts_by(const Piece& piece, const Piece& other, std::vector<double>& cuts) {
     const MapPoint way = minus(piece.b, piece.a);
-    const double length = length_of(way), slack = same_place / length;
+    const double length = length_of(way.x, way.z), slack = same_place / length;
     for (const MapPoint& p : {other.a, other.b}) {
         const MapPoint to = minus(p, piece.a);
         if (std::abs(cross(way, to)) > same_place * length) continue;
@@ -87,7 +84,7 @@ void cuts_by(const Piece& piece, const Piece& other, std::vector<double>& cuts) 
     }
     const MapPoint across = minus(other.b, other.a);
     const double turned = cross(way, across);
-    if (std::abs(turned) < same_place * length * length_of(across)) return;
+    if (std::abs(turned) < same_place * length * length_of(across.x, across.z)) return;
     const MapPoint to = minus(other.a, piece.a);
     const double t = cross(to, across) / turned, s = cross(to, way) / turned;
     if (s > -slack && s < 1 + slack) cuts.push_back(t);
@@ -99,7 +96,7 @@ std::vector<Piece> cut_up(const std::vector<Piece>& whole) {
     std::vector<PlanBox> boxes(whole.begin(), whole.end());
     for (std::size_t i = 0; i < whole.size(); ++i) {
         const MapPoint way = minus(whole[i].b, whole[i].a);
-        if (length_of(way) < same_place) continue;
+        if (length_of(way.x, way.z) < same_place) continue;
         cuts.assign({0, 1});
         for (std::size_t k = 0; k < whole.size(); ++k) {
             if (k != i && boxes[i].meets(boxes[k])) cuts_by(whole[i], whole[k], cuts);
@@ -108,7 +105,7 @@ std::vector<Piece> cut_up(const std::vector<Piece>& whole) {
         std::sort(cuts.begin(), cuts.end());
         const auto at = [&](double t) { return MapPoint{whole[i].a.x + t * way.x, whole[i].a.z + t * way.z}; };
         for (std::size_t c = 1; c < cuts.size(); ++c) {
-            if ((cuts[c] - cuts[c - 1]) * length_of(way) > same_place)
+            if ((cuts[c] - cuts[c - 1]) * length_of(way.x, way.z) > same_place)
                 pieces.push_back({at(cuts[c - 1]), at(cuts[c]), whole[i].gate, whole[i].house});
         }
     }
@@ -163,7 +160,7 @@ std::vector<Piece> with_water_on_the_left(const PlaceShape& shape, const std::ve
     for (const Piece& piece : pieces) {
         const MapPoint way = minus(piece.b, piece.a),
                        middle{0.5 * (piece.a.x + piece.b.x), 0.5 * (piece.a.z + piece.b.z)};
-        const double step = beside / length_of(way);
+        const double step = beside / length_of(way.x, way.z);
         const bool left = water.at({middle.x - step * way.z, middle.z + step * way.x});
         const bool right = water.at({middle.x + step * way.z, middle.z - step * way.x});
         if (left == right && !piece.gate) continue;
@@ -214,7 +211,7 @@ std::vector<Wall> walls_of(const PlaceShape& shape, double time, double margin) 
         std::size_t last = w;
         while (goes_straight_on(last)) last = joints[last].after;
         const MapPoint a = pieces[w].a, way = minus(pieces[last].b, a);
-        const double length = length_of(way);
+        const double length = length_of(way.x, way.z);
         Wall wall;
         wall.a = {static_cast<float>(a.x), static_cast<float>(a.z)};
         wall.ux = static_cast<float>(way.x / length), wall.uz = static_cast<float>(way.z / length);
