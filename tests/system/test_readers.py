@@ -222,7 +222,7 @@ class Engines(SystemTest):
         worlds = [self.send(publisher, 1)]
         command = [VIEWER, "--session", self.session, "--page", ROOT / "tools" / "viewer" / "page", "--three", three]
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as viewer:
-            address = viewer.stdout.readline().strip().replace("http:", "ws:") + "stream"
+            address = viewer.stdout.readline().strip()  # with the key of the page
             with subprocess.Popen(["mono", program, address, "web"], stdout=subprocess.PIPE, text=True) as mono:
                 lines = [mono.stdout.readline()]
                 worlds.append(self.send(publisher, 1, final=True))

@@ -120,7 +120,7 @@ class Scripts(Launcher):
                 run_sh = self.run_sh(SMALL, *ENDLESS)
                 self.wait_for_frame(5, run_sh)
                 below = children_of(run_sh.process.pid)
-                self.assertEqual(len(below), 2)
+                self.assertEqual(len(below), 3)  # both programs, and the picture that is prepared
                 run_sh.send(number)
                 self.assert_ends(run_sh, code)
                 self.assertEqual([pid for pid in below if alive(pid)], [])

@@ -7,9 +7,11 @@
 // A free-running reader: it holds up nobody and may miss frames. Places and velocities are in metres, x upstream, y up,
 // z across: left-handed, as Unity's axes, so that new Vector3(X[i], Y[i], Z[i]) is the place (docs/engines.md).
 // For a project of Unity: this file into Assets, libwade_shm.so into Assets/Plugins. Where there is no shared memory of Linux,
-// as on Windows, WebStream takes the water from the server of the viewer: new Wade.WebStream("ws://127.0.0.1:PORT/stream").
+// as on Windows, WebStream takes the water from the server of the viewer: new Wade.WebStream("http://127.0.0.1:PORT/?key=KEY"),
+// the address that wade_view_server prints.
 using System;
 using System.IO;
+using System.Net;
 using System.Net.WebSockets;
 using System.Runtime.InteropServices;
 using System.Text;
@@ -150,9 +152,16 @@ namespace Wade
         public double Number, TimeS;
         public float[] X, Y, Z, Vx, Vy, Vz, Volume; // m, m/s, m3, of length Count
 
+        /// <summary>Connects to the server by the address, with its key, that the server prints.</summary>
         public WebStream(string address)
         {
-            socket.ConnectAsync(new Uri(address), CancellationToken.None).Wait();
+            var page = new Uri(address);
+            if (page.Query.StartsWith("?key="))
+            {
+                socket.Options.Cookies = new CookieContainer();
+                socket.Options.Cookies.Add(page, new Cookie("wade_" + page.Port, page.Query.Substring(5)));
+            }
+            socket.ConnectAsync(new Uri("ws://" + page.Authority + "/stream"), CancellationToken.None).Wait();
             Ask();
         }
 
