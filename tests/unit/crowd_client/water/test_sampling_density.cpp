@@ -1,5 +1,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <string>
 
 #include "configs/scene/channel.hpp"
 #include "configs/scene/crowd.hpp"
@@ -90,4 +91,22 @@ TEST_CASE("The allowed spacing is 0.53 of the radius, or 4/3 of that of the part
     CHECK(SamplingDensity(feeling, 0.1).widest() == Approx(0.265));
     feeling.spread = 1.5 * 0.4642;
     CHECK(SamplingDensity(feeling, 0.4642).widest() == Approx(0.6189).margin(1e-4));
+}
+
+TEST_CASE("A river with fewer than four layers of particles is told of with the spacing that has four") {
+    const auto layers_told = [](double spacing, double depth, ResponseKind response) {
+        Scene scene = wader(spacing);
+        scene.crowd->response = response;
+        scene.channel->depth = depth;
+        std::string told;
+        for (const std::string& warning : make_crowd(scene).warnings) {
+            if (warning.find("layers") != std::string::npos) told += warning;
+        }
+        return told;
+    };
+    CHECK_THAT(layers_told(0.4642, 1, ResponseKind::measured),
+               Catch::Contains("2.15 layers") && Catch::Contains("/fluid/particle_spacing_m 0.25 or less"));
+    CHECK(layers_told(0.25, 1, ResponseKind::measured).empty());
+    CHECK(layers_told(0.313, 1.25, ResponseKind::measured).empty());  // as the remedy for 1.25 m rounds it
+    CHECK(layers_told(0.4642, 1, ResponseKind::paper).empty());
 }
