@@ -1,5 +1,6 @@
 #include "crowd_client/start_warnings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "configs/scene/channel.hpp"
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/fluid.hpp"
+#include "configs/scene/world.hpp"
 #include "crowd_client/ways/place_ways.hpp"
 
 namespace wade::crowd {
@@ -34,19 +36,38 @@ std::string warning_of_markers(const Crowd& crowd) {
     return text.str();
 }
 
-// Sampled depths of particle water fluctuate by 5 % with 4 layers and 11 % with 2 (`tools/wade converge river_075`).
+// People of `measured` in a river of particles: what they sample depends on the layers of particles and on the time step
+// (`tools/wade converge river_075`). Depths fluctuate by 5 % with 4 layers and 11 % with 2.
+bool is_sampled_river(const Scene& scene) {
+    return !scene.place && scene.fluid->model == ModelKind::dfsph && has_river(*scene.channel) &&
+           scene.channel->depth > 0 && scene.crowd->response == ResponseKind::measured;
+}
+
 std::string warning_of_layers(const Scene& scene) {
     constexpr double least = 4;
     const double spacing = scene.fluid->particle_spacing, depth = scene.channel->depth;
-    const bool particles = !scene.place && scene.fluid->model == ModelKind::dfsph && has_river(*scene.channel);
-    const bool measured = scene.crowd->response == ResponseKind::measured;
-    if (!particles || !measured || !(depth > 0) || depth > 0.98 * least * spacing) return "";
+    if (depth > 0.98 * least * spacing) return "";
     std::ostringstream text;
     text.precision(3);
     text << "/fluid/particle_spacing_m: " << depth / spacing << " layers of particles in " << depth
          << " m of water: below " << least
          << " layers the people lost and off their feet depend on their number. Remedy: /fluid/particle_spacing_m "
          << depth / least << " or less.";
+    return text.str();
+}
+
+// The Courant number of the longest step: that of /fluid/cfl, or of a whole frame where frames are shorter.
+std::string warning_of_time_step(const Scene& scene) {
+    constexpr double most = 0.35;
+    const double fastest = std::abs(scene.channel->velocity) + std::sqrt(scene.world->gravity * scene.channel->depth);
+    const double of_frame = fastest / (scene.frame_rate * scene.fluid->particle_spacing);
+    const double courant = std::min(scene.fluid->cfl, of_frame);
+    if (courant < 1.03 * most) return "";
+    std::ostringstream text;
+    text.precision(2);
+    text << "/fluid/cfl: time steps of a Courant number of " << courant << ", by /fluid/cfl " << scene.fluid->cfl
+         << " at /frame_rate_hz " << scene.frame_rate << ": above " << most
+         << " the people lost depend on the time step of particle water. Remedy: /fluid/cfl " << most << ".";
     return text.str();
 }
 
@@ -64,7 +85,11 @@ int least_markers_per_cell(const Crowd& crowd) {
 std::vector<std::string> start_warnings(const Scene& scene, const Agents& agents, const Navigation& navigation) {
     std::vector<std::string> warnings = rate_warnings(scene);
     if (agents.size() > 0 && has_too_few_markers(scene.crowd)) warnings.push_back(warning_of_markers(scene.crowd));
-    if (std::string layers = warning_of_layers(scene); !layers.empty()) warnings.push_back(std::move(layers));
+    if (is_sampled_river(scene)) {
+        for (std::string warning : {warning_of_layers(scene), warning_of_time_step(scene)}) {
+            if (!warning.empty()) warnings.push_back(std::move(warning));
+        }
+    }
     const std::string no_way =
         scene.place ? people_cut_off(navigation, scene, agents) : people_without_way(navigation, scene, agents);
     if (no_way.empty()) return warnings;

@@ -93,20 +93,44 @@ TEST_CASE("The allowed spacing is 0.53 of the radius, or 4/3 of that of the part
     CHECK(SamplingDensity(feeling, 0.4642).widest() == Approx(0.6189).margin(1e-4));
 }
 
+namespace {
+
+// The sentences about particle water of a scene that hold a word, one behind the other.
+std::string told_of(const std::string& word, const Scene& scene) {
+    std::string told;
+    for (const std::string& warning : make_crowd(scene).warnings) {
+        if (warning.find(word) != std::string::npos) told += warning;
+    }
+    return told;
+}
+
+}  // namespace
+
 TEST_CASE("A river with fewer than four layers of particles is told of with the spacing that has four") {
     const auto layers_told = [](double spacing, double depth, ResponseKind response) {
         Scene scene = wader(spacing);
         scene.crowd->response = response;
         scene.channel->depth = depth;
-        std::string told;
-        for (const std::string& warning : make_crowd(scene).warnings) {
-            if (warning.find("layers") != std::string::npos) told += warning;
-        }
-        return told;
+        return told_of("layers", scene);
     };
     CHECK_THAT(layers_told(0.4642, 1, ResponseKind::measured),
                Catch::Contains("2.15 layers") && Catch::Contains("/fluid/particle_spacing_m 0.25 or less"));
     CHECK(layers_told(0.25, 1, ResponseKind::measured).empty());
     CHECK(layers_told(0.313, 1.25, ResponseKind::measured).empty());  // as the remedy for 1.25 m rounds it
     CHECK(layers_told(0.4642, 1, ResponseKind::paper).empty());
+}
+
+TEST_CASE("Long time steps of particle water are told of where frames do not shorten them") {
+    const auto steps_told = [](double spacing, double frame_rate, double cfl) {
+        Scene scene = wader(spacing);
+        scene.frame_rate = frame_rate;
+        scene.fluid->cfl = cfl;
+        scene.channel->velocity = 0.75;
+        return told_of("Courant", scene);
+    };
+    CHECK(steps_told(0.4642, 30, 0.5).empty());
+    CHECK_THAT(steps_told(0.4642, 2, 0.5),
+               Catch::Contains("number of 0.5") && Catch::Contains("Remedy: /fluid/cfl 0.35"));
+    CHECK_THAT(steps_told(0.25, 30, 0.5), Catch::Contains("number of 0.5"));
+    CHECK(steps_told(0.4642, 2, 0.35).empty());
 }
