@@ -142,7 +142,7 @@ void check_houses_beside(const Scene& scene, const std::string& source) {
         if (!is_new)
             refuse_shape(source, house.label,
                          "it is the same house as " + other->second->label +
-                             ", whose people would count twice; allowed: once. Remedy: take one out; tools/wade place "
+                             "; its people would count twice; allowed: once. Remedy: take one out; tools/wade place "
                              "import does.");
         covered += box.x.length() * box.z.length();
         if (covered > most)
@@ -332,7 +332,7 @@ void check_gauge(const Gauge& gauge, const Scene& scene, const HouseFinder& hous
                  gauge.name + " at " + at_words(gauge.at.x, gauge.at.z) + " is " + where + ". Remedy: move it.");
 }
 
-// People of the table who stand on one another: outdoors by square metres, indoors by houses.
+// Finds people of the table that stand on one another: outdoors by square metres, indoors by houses.
 void check_crowding(const Scene& scene, const HouseFinder& houses, const std::string& source) {
     if (!scene.place->residents) return;
     constexpr int most_outdoors = 10, most_indoors = 100'000;  // on a square metre; as /place/houses/*/residents

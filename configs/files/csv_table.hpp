@@ -32,7 +32,7 @@ class CsvTable {
     // Returns the cell as a value of the key, held to its type and limits; null if it is empty.
     [[nodiscard]] Json value(std::size_t column, const Key& key) const;
 
-    // The line in which the row begins, from 1 on.
+    // Returns the number of the row's first line, from 1 on.
     [[nodiscard]] std::size_t line() const { return row_line_; }
     // "file: line 3", for messages.
     [[nodiscard]] std::string here() const { return name_ + ": line " + std::to_string(row_line_); }

@@ -40,7 +40,7 @@ std::string fault_of_system(int epsg) {
     const std::string number = "EPSG:" + std::to_string(epsg);
     constexpr std::array mercator{3857, 900913, 3785, 3395};
     if (std::find(mercator.begin(), mercator.end(), epsg) != mercator.end())
-        return number + " is a Mercator map of the world, in which lengths grow with latitude; " + reproject_words();
+        return number + " is a Mercator map of the world; its lengths grow with latitude; " + reproject_words();
     constexpr std::array degrees{4326, 4258, 4267, 4269, 4171, 4283, 4312, 4612, 4674, 4979, 7844};
     if (std::find(degrees.begin(), degrees.end(), epsg) != degrees.end())
         return number + " counts in degrees; " + reproject_words();

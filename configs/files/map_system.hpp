@@ -7,7 +7,7 @@
 
 namespace wade {
 
-// Returns why a system does not suit a site, whose lengths are metres along the ground; empty if it suits. 0: no system.
+// Returns why a system does not suit a site with lengths in metres along the ground; empty if it suits. 0: no system.
 [[nodiscard]] std::string fault_of_system(int epsg);
 
 // Returns the number in a name such as "EPSG:32632", "urn:ogc:def:crs:EPSG::32632" or

@@ -1,5 +1,5 @@
 #pragma once
-// A file to read whose name may come from another user: opened without waiting, and only if it is a plain file.
+// A file to read, perhaps named by another user: opened without waiting, and only if it is a plain file.
 
 #include <cstddef>
 #include <cstdint>

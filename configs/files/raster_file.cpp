@@ -205,7 +205,7 @@ std::string fault_of_metadata(std::string_view text) {
 
 namespace {
 
-// Files in which GDAL and others keep what the raster's own format does not hold.
+// Side files of GDAL and others for what the raster's own format does not hold.
 void read_files_beside(const std::filesystem::path& file, RasterFile& raster, bool is_grid) {
     const auto beside = [&](const std::string& ending) { return std::filesystem::path(file.string() + ending); };
     std::error_code ignored;

@@ -16,7 +16,7 @@ namespace wade {
 
 namespace {
 
-// A column: the key whose type and limits it has, and the member that it fills.
+// A column: the key with its type and limits, and the member that it fills.
 struct ResidentColumn {
     std::string name;
     Key key;

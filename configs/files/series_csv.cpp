@@ -26,7 +26,7 @@ std::pair<std::size_t, std::size_t> columns_of_series(const CsvTable& table, con
                     ", with commas between columns.");
 }
 
-// Returns true for the numbers by which tables of gauges and rasters mark missing data.
+// Returns true for the numbers that mark missing data in tables of gauges and in rasters.
 bool is_no_data(double value) {
     constexpr std::array marks{-99.0,   -99.9,   -99.99,   -999.0,   -999.9,   -999.99,
                                -9999.0, -9999.9, -9999.99, -99999.0, -32767.0, -32768.0};

@@ -119,7 +119,7 @@ struct Source {
 
 enum class OutletKind {
     free,   // water leaves as over a fall
-    stage,  // a large water at rest whose level is given in time: the surface stands at it, waves come back inverted
+    stage,  // a large water at rest with a given level in time: the surface stands at it, waves come back inverted
     wave    // open water: the level of the incoming wave is given in time, waves from inside leave
 };
 
@@ -129,7 +129,7 @@ struct Outlet {
     OutletKind kind = OutletKind::free;
     MapPolygon polygon;  // empty: along `line`
     MapLine line;
-    Series stage;  // height of the surface, or of the incoming wave, whose first one is the level at rest, m
+    Series stage;  // height of the surface, or of the incoming wave, its first value the level at rest, m
     std::string label{};
 };
 

@@ -41,7 +41,7 @@ class MonotoneQueue {
  private:
     using Entry = std::pair<std::uint64_t, std::uint32_t>;  // bits of a time, which are ordered as times are; node
 
-    // Bucket 0 holds the times equal to last_, the least node at its end; bucket b those whose highest different bit is b - 1.
+    // Bucket 0 holds the times equal to last_, the least node at its end; bucket b those with b - 1 as the highest different bit.
     void add(const Entry& entry) {
         std::vector<Entry>& bucket = buckets_[static_cast<std::size_t>(std::bit_width(entry.first ^ last_))];
         if (&bucket != buckets_.data()) {

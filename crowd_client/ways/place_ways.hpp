@@ -58,11 +58,11 @@ void steer_in_place(Navigation& navigation, const Agents& agents, std::span<cons
 // Takes somebody in.
 void take_in(Navigation& navigation, std::size_t shelter);
 
-// Gives residents whose door has no route to a goal another door of their house that has one. Those of a house without any stay in it
+// Moves residents at a door without a route to a goal to another door of their house that has one. Those of a house without any stay in it
 // for good. Returns a warning that names such houses, or nothing.
 [[nodiscard]] std::string choose_doors(const Navigation& navigation, const Scene& scene, Agents& agents);
 
-// Whom no way leads to a goal at the start, as a sentence, or nothing; residents who start indoors are left out.
+// Names people without a route to a goal at the start in a sentence, or returns nothing; residents indoors are left out.
 [[nodiscard]] std::string people_cut_off(const Navigation& navigation, const Scene& scene, const Agents& agents);
 
 // The share of its speed that somebody has at p, walking along `way`: by the slope, 0 of who waits; 1 without a place.

@@ -61,7 +61,7 @@ constexpr double unreachable = std::numeric_limits<double>::infinity();
 
 // Working memory.
 struct MarchMemory {
-    MonotoneQueue queue;  // nodes whose times may still become less
+    MonotoneQueue queue;  // nodes with times that may still become less
     std::vector<std::uint8_t> done;
 };
 

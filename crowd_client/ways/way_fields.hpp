@@ -68,7 +68,7 @@ struct PlaceWays {
     [[nodiscard]] bool is_full(std::size_t shelter) const {
         return capacity[shelter] > 0 && taken[shelter] >= capacity[shelter];
     }
-    // Return the water's column of cells at x and its row at z, beyond the outermost these.
+    // Returns the water's column of cells at x, its row at z, its cell at p; the outermost one beyond the last.
     [[nodiscard]] std::size_t column_at(double x) const { return line(x - cells.x0, cells.step_x, cells.columns); }
     [[nodiscard]] std::size_t row_at(double z) const { return line(z - cells.z0, cells.step_z, cells.rows); }
     [[nodiscard]] std::size_t cell_at(const Vector2d& p) const {

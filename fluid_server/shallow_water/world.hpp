@@ -28,7 +28,7 @@ struct WatchedFace {
     double step_volume = 0, step_momentum = 0;   // of the step at hand
 };
 
-// A cell of a site whose discharge is read: the mean flux through its open faces along x and across in the last step, m^2/s.
+// A cell of a site with a gauge of discharge: the mean flux through its open faces along x and across in the last step, m^2/s.
 struct GaugedCell {
     std::size_t row = 0, column = 0;
     double qx = 0, qz = 0;

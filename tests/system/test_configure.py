@@ -34,7 +34,7 @@ Cflags: -I{folder}/include
 # Programs of optional parts, which some find first on their path.
 BROKEN = ("mpicxx", "mpic++", "mpiCC", "mpirun", "mpiexec", "help2man", "spin", "pkg-config", "gdalinfo", "gdalwarp", "ogr2ogr", "npm",
           "node", "nodejs", "blender", "chromium", "ffmpeg", "parallel")
-# A package file as a removed package leaves it, and one whose headers are gone.
+# A package file as a removed package leaves it, and one without its headers.
 WITHOUT_TARGETS = 'include("${CMAKE_CURRENT_LIST_DIR}/Targets-of-no-package.cmake")\n'
 WITHOUT_HEADERS = """add_library(benchmark::benchmark INTERFACE IMPORTED)
 set_target_properties(benchmark::benchmark PROPERTIES INTERFACE_INCLUDE_DIRECTORIES {folder}/none/include)

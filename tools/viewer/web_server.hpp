@@ -65,7 +65,7 @@ struct WebFile {
 
 // One line of JSON of a client, understood.
 struct Question {
-    std::string kind;        // of which a client has one at a time
+    std::string kind;        // a client has one of each at a time
     double time = 0;         // s
     double after = -1;       // a frame
     std::uint32_t id = 0;    // of a person

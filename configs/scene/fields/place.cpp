@@ -89,7 +89,7 @@ void fields(RainKeys& rain, Fields& f) {
 void fields(OutletKeys& outlet, Fields& f) {
     name_field(f, outlet.name);
     f.choice("kind", outlet.kind,
-             "free: water leaves as over a fall. stage: a large water at rest outside, such as a lake or a tide, whose "
+             "free: water leaves as over a fall. stage: a large water at rest outside, such as a lake or a tide; its "
              "level is given in time; waves from inside come back inverted. wave: open water outside; the level of the "
              "incoming wave is given in time, its first value is the level at rest, and waves from inside leave.");
     f.path("file", outlet.file, shapes_file);

@@ -33,7 +33,7 @@ void fields(Obstacle& obstacle, Fields& f) {
 void fields(Scene& scene, Fields& f) {
     f.of_file("$schema", {}, "Path of this schema, for editors; ignored.");
     f.of_file("extends", {.shortest = 1},
-              "A scene file, relative to this one, or a short name such as river/s05 (`wade scenes`), whose values "
+              "A scene file, relative to this one, or a short name such as river/s05 (`wade scenes`); its values "
               "hold wherever "
               "this file sets none. Objects merge key "
               "by key, arrays are replaced; name and description are not taken over.");

@@ -7,7 +7,7 @@
 // The cells of the other outlets hold depth h and velocity u, along the normal into the site. From inside comes R = u - 2 c, the
 // invariant of the cells beside them; c = sqrt(g h), d = max(0, eta(t) - b), c_d = sqrt(g d).
 //
-//   stage   A large water at rest outside, whose level is eta(t). Outflow takes its level and loses its own velocity head:
+//   stage   A large water at rest outside, of level eta(t). Outflow takes its level and loses its own velocity head:
 //           h = d, u = R + 2 c_d, if that is at most 0. Inflow takes its head: h + u^2 / (2 g) = d with u = R + 2 c, that is
 //           c = (sqrt(3 g d - R^2 / 2) - R) / 3, at least critical flow, c^2 = 2 g d / 3, with 0 <= u <= c.
 //           d = 0 is dry: nothing comes in.

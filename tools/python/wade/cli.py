@@ -13,7 +13,7 @@ from wade.run.arguments import asks_for_help
 from wade.terminal import open_standard_streams, say_error
 
 
-# Commands that wait for others or whose programs tell how far they are.
+# Commands that wait for others, or with programs that tell how far they are.
 TELL_THEMSELVES = ("run", "run-one", "many", "view", "scenes", "test", "conformance")
 
 

@@ -50,7 +50,7 @@ def at(what, done=0, total=None):
 
 
 def over(items, what, total=None):
-    """The items, of which each counts as a step."""
+    """Yields the items; each counts as a step."""
     total = len(items) if total is None and hasattr(items, "__len__") else total
     for done, item in enumerate(items):
         at(what, done, total)
@@ -58,7 +58,7 @@ def over(items, what, total=None):
 
 
 class Teller:
-    """A context in which the state is told."""
+    """A context; while it lasts, a thread tells the state."""
 
     def __init__(self, command):
         self.command, self.ended, self.thread = command, threading.Event(), threading.Thread(target=self.tell, daemon=True)

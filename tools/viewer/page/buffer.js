@@ -26,7 +26,7 @@ export class Buffer {
     this.water = { water: new Map(), depths: new Map(), live: new Map() }; // by number
     this.walkers = new Map(); // by number
     this.asked = { people: new Map(), water: new Map(), depths: new Map() }; // number or time -> when, slot
-    this.near = 0; // the time whose frames are kept
+    this.near = 0; // frames round this time are kept
     this.stretch = 1; // of the steps of a replay while answers come late
     this.calm = 0; // s without a stall
     this.status = null;
@@ -110,7 +110,7 @@ export class Buffer {
     return Math.min(Math.max(0, Math.floor(t * rate + 1e-4)), frames - 1);
   }
 
-  /** People of a time: two frames and how far between them it is; or null. After the last frame nobody is on the way. */
+  /** People of a time: two frames and how far between them it is; or null. After the last frame no people are on their way. */
   peopleAt(t) {
     const people = this.status?.people;
     if (!people?.frames) return { none: true };
@@ -182,7 +182,7 @@ export class Buffer {
     return [...this.water.live.values()].pop() ?? null;
   }
 
-  /** The newest water of a run that goes on whose people are known, or null. Without a run folder the walkers of a session. */
+  /** The newest water of a run that goes on, of a time with known people, or null. Without a run folder the walkers of a session. */
   newestLive() {
     const last = this.status?.people?.frames ? this.status.people.last : Infinity;
     return [...this.water.live.values()].filter((m) => m.time <= last + 1e-6).pop() ?? null;

@@ -131,8 +131,8 @@ export function advance(wall) {
   if (show.time >= end && !isLive()) setPlaying(false);
 }
 
-// The newest water whose people are there. A pending one stays so until it is shown, as newer ones come all the time. The water
-// goes on alone once nobody is on the way.
+// The newest water with people of its time. A pending one stays so until it is shown, as newer ones come all the time. The water
+// goes on alone once no people are on their way.
 function advanceLive(people) {
   const water = buffer.newestWater();
   if (people?.frames && water?.time > people.last + 5) return void (show.time = water.time);
@@ -150,7 +150,7 @@ export function setPlaying(on) {
   $('play').setAttribute('aria-pressed', on);
 }
 
-// Tells a screen reader the state of the run and who has come to an end, no more than once in 6 s.
+// Tells a screen reader the state of the run and the people that have come to an end, no more than once in 6 s.
 let toldAt = -Infinity;
 function announce() {
   const now = performance.now();

@@ -183,7 +183,7 @@ function resize() {
   if (show.corners && !show.isMoved) firstView(part);
 }
 
-/** The view that holds the whole world, all goals and all shelters; of directions the one in which they are seen largest. */
+/** The view that holds the whole world, all goals and all shelters; the direction shows them largest. */
 function firstView(part) {
   const middle = show.corners.reduce((sum, p) => sum.add(p), new THREE.Vector3()).divideScalar(show.corners.length);
   const areaOf = () => {

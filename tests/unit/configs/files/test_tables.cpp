@@ -267,7 +267,7 @@ TEST_CASE("shapes with a corner far off are refused before any work is done on t
     CHECK_THAT(refused(R"("houses": [)" + hut + "," + turned + "]"), Contains("the same house"));
 }
 
-TEST_CASE("people of a table who stand on one another are refused") {
+TEST_CASE("people of a table at one position are refused") {
     std::string rows = "x,y\n";
     for (int i = 0; i < 11; ++i) rows += "500103,6000203\n";
     const std::string keys = R"("residents_csv": "r.csv")";

@@ -28,7 +28,7 @@ Scene basin_with(OutletKind kind, Series level, double length, double cell, doub
     return scene;
 }
 
-// Basin of 60 m with friction, whose wave from end to end takes a minute or so.
+// Basin of 60 m with friction; a wave from end to end takes a minute or so.
 Scene harbour(Series level, double standing) {
     Scene scene = basin_with(OutletKind::stage, std::move(level), 60, 1, standing, 0.001);
     scene.place->roughness.n = 0.03;
@@ -81,7 +81,7 @@ Levels levels_of(const Scene& scene, double until, double mean_from = 0, double 
     return levels;
 }
 
-// Falls below the bed, whose lowest height is 0, within 40 s and comes back.
+// Falls below the bed (lowest height 0) within 40 s and comes back.
 Series dip_to(double lowest) {
     return {{0, 1}, {20, 1}, {60, lowest}, {200, lowest}, {240, 1}, {400, 1}};
 }
@@ -269,7 +269,7 @@ TEST_CASE("open water takes any level", "[place]") {
 }
 
 // The line has water on both sides. For a closed basin it then holds the level, too, as soon as waves have crossed it twice.
-TEST_CASE("a stage whose line lies within the water holds its level", "[place]") {
+TEST_CASE("a stage with its line within the water holds its level", "[place]") {
     using namespace outlets_test;
     Scene scene = harbour({{0, 1}, {60, 2}}, 1);
     scene.place->outlets[0].line = {{20.5, 0}, {20.5, 4}};

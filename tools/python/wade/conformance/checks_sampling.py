@@ -52,7 +52,7 @@ class Sample:
 class Water:
     """A frame seen from above, in world metres, sorted into square cells.
 
-    spacing: of the scene, m, by which a crowd chooses R; without a scene twice the radius of the header.
+    spacing: of the scene, m; a crowd chooses R by it; without a scene twice the radius of the header.
     """
 
     def __init__(self, header, frame, spacing=None):

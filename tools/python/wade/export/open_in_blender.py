@@ -1,7 +1,7 @@
 """Opens the files of this folder in Blender: blender --python open_in_blender.py
 
 People of people.gltf walk; the mesh "water" shows the surface_*.ply or surface_*.obj of the current frame. Works in Debian's
-Blender 3.4, whose glTF import by default ends with "module 'numpy' has no attribute 'bool'" for any file. Blender saves the
+Blender 3.4; its glTF import ends by default with "module 'numpy' has no attribute 'bool'" for any file. Blender saves the
 people with a .blend; the water needs this script again, as its files stay where they are.
 """
 

@@ -55,7 +55,7 @@ def around_particles(points, spacing, density, bed=None):
 
     if len(points) == 0:
         return empty()
-    width = 0.75 * max(spacing, spacing_of(points, density))  # of the smoothing, of which sharing by nodes is a part
+    width = 0.75 * max(spacing, spacing_of(points, density))  # of the smoothing, sharing by nodes included
     rest = np.sqrt(width**2 - spacing**2 / 6) / spacing
     raised = points.z_up()
     places = raised.stacked("x", "y", "z").astype(float)

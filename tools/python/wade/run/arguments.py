@@ -40,7 +40,7 @@ starts fluid_server and crowd_client, waits for both, prints the outcome and dra
   --no-figure         do not draw figure.png; nor is it drawn with --no-trajectories, which leaves
                       no paths
   --check             only check the scene and the options of both programs
-Other options go to the programs that have them, whose --help explains them:
+Other options go to the programs that have them; their --help explains them:
 {options}
 Started from a terminal, the crowd takes commands typed
 there (pause, step, tau ...); SIGUSR1 and SIGUSR2 are passed on to it.
