@@ -9,10 +9,13 @@ steady water, one seed; outcomes and states must be the same.
 Physical choices (the law of walking in water, one or two ways, bodies) are varied likewise; their differences are reported with
 intervals and have no limit. --factors 'walking law' runs one of them alone.
 
-What is complete is not run again, so that the suite goes on where it was interrupted; --quick starts anew. Writes DIR/converge.csv and DIR/report.md.
-Exit code 1: a share or a time is different.
+A value of which `--check` warns has a remedy: the report says so, and gives its differences apart.
+
+What is complete is not run again, so that the suite goes on where it was interrupted; --quick starts anew.
+Exit code 1: a share or a time is different without a warning.
 """
 
+import json
 import re
 import shlex
 import shutil
@@ -20,20 +23,18 @@ import statistics
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 from wade import UsageError
 from wade.ensembles.plan import PlannedRun, plan_text
 from wade.many import seed_range
-from wade.paths import RUNS, module_command
-from wade.reports.files import say, write_whole
-from wade.reports.options import choose, whole
+from wade.paths import BUILD, CONFIGS, module_command
+from wade.reports.files import publish, say, write_whole
+from wade.reports.options import choose, parser_of, whole
 from wade.reports.plots import COLOURS, INK, panels, save
 from wade.reports.tables import document, markdown, read_csv, section, write_csv
 from wade.states import end_of
 from wade.statistics.shares import bootstrap_mean
 from wade.suites.converge.cases import CASES
-from wade.terminal import Parser
 
 SAME_POINTS = 3.0  # of 100 people
 SAME_TIME = 0.05  # of a time
@@ -46,7 +47,7 @@ SHARES = {
 }
 TIMES = {"half had an end, s": 0.5, "nine tenths had an end, s": 0.9}
 COLUMNS = ("scene", "factor", "value", "reference", "measure", "seeds", "of_reference", "of_value", "difference", "low", "high",
-           "verdict")
+           "verdict", "warned")
 PATIENCE_S = "300"
 DRAWN = ("safe", "lost")
 SEEDS_OF_THREADS = 2  # bits do not need more
@@ -92,6 +93,15 @@ def settings_of(case, varied=None):
         for value in factor.values:
             settings[factor.name, factor.word(value)] = {**case.reference, **factor.sets(value)}
     return settings
+
+
+def is_warned(case, factor, values):
+    """Whether `--check` warns of the keys that a factor sets, with these values."""
+    words = [word for pointer, value in values.items() for word in ("--set", f"{pointer}={json.dumps(value)}")]
+    answer = subprocess.run([BUILD / "crowd_client", CONFIGS / f"{case.scene}.json", "--check", *words], capture_output=True,
+                            text=True, check=True)
+    warnings = [line for line in (answer.stdout + answer.stderr).splitlines() if line.startswith("warning: ")]
+    return any(pointer in line for line in warnings for pointer in factor.pointers)
 
 
 def varied_in(case, options):
@@ -157,11 +167,13 @@ def draw(case, rows, file):
 def compared(case, found):
     """The rows of the table."""
     reference = found["reference", ""]
+    settings = settings_of(case)
     for (factor, value), runs in found.items():
         if factor == "reference":
             continue
         has_limit = case.factor(factor) in case.factors
-        start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(runs),
+        warned = has_limit and is_warned(case, case.factor(factor), settings[factor, value])
+        start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(runs), "warned": "yes" if warned else "",
                  "reference": case.factor(factor).word(case.factor(factor).reference)}
         if case.quick and has_limit:
             same = [people_verdict(reference[seed], runs[seed]) for seed in runs]
@@ -200,36 +212,43 @@ def shown(row):
 
     interval = "" if row.get("low") is None else f"{of(row['difference'])} ({of(row['low'])} to {of(row['high'])})"
     return (row["factor"], row["value"], row["measure"], of(row.get("of_reference")), of(row.get("of_value")), interval,
-            row["seeds"], row["verdict"])
+            row["seeds"], row["verdict"] + (", warned" if row["warned"] else ""))
+
+
+def counts(rows):
+    """What --check does not warn of: compared, equal, undecided, different; then compared and not equal of what it warns of."""
+    silent = [row["verdict"] for row in rows if not row["warned"] and row["verdict"] != "reported"]
+    warned = [row["verdict"] for row in rows if row["warned"]]
+    return (len(silent), *(silent.count(word) for word in ("equal", "undecided", "different")), len(warned),
+            len(warned) - warned.count("equal"))
 
 
 def report(rows, options):
-    """The page: a table a scene of what is not equal, and how many are what."""
-    counts = {word: sum(row["verdict"] == word for row in rows) for word in ("equal", "undecided", "different")}
-    head = (f"# Convergence of outcomes\n\n`{options.command}`: {counts['equal']} equal, {counts['undecided']} undecided, "
-            f"{counts['different']} different.\n\nPhysical choices are reported and have no limit. A share is equal where the 95 % interval of the paired difference lies within "
-            f"{SAME_POINTS:g} points, a time within {100 * SAME_TIME:g} %.\n")
+    """The page: counts of all scenes, then of each scene a figure and a table of what is not equal."""
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    per_scene = [(scene, *counts([row for row in rows if row["scene"] == scene])) for scene in scenes]
+    head = (f"# Convergence of outcomes\n\n`{options.command}`. A share is equal where the 95 % interval of the paired difference lies "
+            f"within {SAME_POINTS:g} points, a time within {100 * SAME_TIME:g} %, and different where it lies outside. Physical choices "
+            "are reported and have no limit. `--check` warns of some values and names a remedy; their comparisons stand apart.\n")
+    table = markdown(("scene", "compared", "equal", "undecided", "different", "compared, warned", "not equal, warned"),
+                     [*per_scene, ("all", *counts(rows))])
     sections = []
-    for case in dict.fromkeys(row["scene"] for row in rows):
-        own = [row for row in rows if row["scene"] == case]
+    for scene in scenes:
+        own = [row for row in rows if row["scene"] == scene]
         rest = [shown(row) for row in own if row["verdict"] != "equal"]
-        limited = [row for row in own if row["verdict"] != "reported"]
-        text = f"{sum(row['verdict'] == 'equal' for row in limited)} of {len(limited)} equal.\n" if limited else ""
-        table = markdown(("factor", "value", "measure", "reference", "found", "difference", "seeds", ""), rest) if rest else ""
-        picture = f"![Differences of {' and '.join(DRAWN)}]({case}.png)\n" if own[0]["measure"] != "states" else ""
-        sections.append(section(case, *(part for part in (text, picture, table) if part)))
-    return document(head, *sections)
+        unequal = markdown(("factor", "value", "measure", "reference", "found", "difference", "seeds", ""), rest) if rest else ""
+        picture = f"![Differences of {' and '.join(DRAWN)}]({scene}.png)\n" if own[0]["measure"] != "states" else ""
+        sections.append(section(scene, *(part for part in (picture, unequal) if part)))
+    return document(head, table, *sections)
 
 
 def parse(arguments):
-    parser = Parser("converge", __doc__)
+    parser = parser_of("converge", "converge", __doc__, "converge.csv")
     parser.add_argument("cases", nargs="*", metavar="CASE", help=f"names or patterns of: {', '.join(c.name for c in CASES)} [all]")
-    parser.add_argument("--quick", action="store_true", help="single persons in steady water alone")
     parser.add_argument("--factors", metavar="LIST", help="names or patterns, comma-separated, of: "
                         + ", ".join(f"'{name}'" for name in FACTOR_NAMES) + " [all]")
     parser.add_argument("--seeds", type=seed_range, default=range(1, 21), metavar="A-B", help="to begin with [1-20]")
     parser.add_argument("--most-seeds", type=whole(1), default=80, metavar="N", help="of what is undecided [80]")
-    parser.add_argument("--out", type=Path, default=RUNS / "converge", metavar="DIR", help="[runs/converge]")
     options = parser.parse_args(arguments)
     options.factor_names = [factor.name for factor in choose(FACTORS, options.factors, "--factors")]
     options.command = shlex.join(["tools/wade", "converge", *arguments])
@@ -256,4 +275,6 @@ def main(arguments):
         print(f"{case.name}: {sum(r['verdict'] in ('undecided', 'different') for r in rows if r['scene'] == case.name)} not equal, "
               f"{time.monotonic() - begin:.0f} s", file=sys.stderr)
     say(report(rows, options))
-    return 1 if any(row["verdict"] == "different" for row in rows) else 0
+    if options.publish:
+        publish(options.out, "converge", "converge.csv")
+    return 1 if any(row["verdict"] == "different" and not row["warned"] for row in rows) else 0

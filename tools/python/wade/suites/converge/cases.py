@@ -111,7 +111,7 @@ SITE = (rates(15, 30, 8, 4, 2), frames(15, 4, 2), steps(15, 60, 4, 2))
 
 
 def river(name, speed):
-    return Case(name, "converge/river", (*CROWD, spacings(0.4642, 0.25, 0.7, 1)), choices=(WALKING, WAYS),
+    return Case(name, "converge/river", (*CROWD, spacings(0.25, 0.2, 0.5, 1)), choices=(WALKING,),
                 settings={"/channel/velocity_m_s": speed})
 
 
