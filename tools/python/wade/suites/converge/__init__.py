@@ -9,7 +9,7 @@ steady water, one seed; outcomes and states must be the same.
 Physical choices (the law of walking in water, one or two ways, bodies) are varied likewise; their differences are reported with
 intervals and have no limit. --factors 'walking law' runs one of them alone.
 
-A value of which `--check` warns has a remedy: the report says so, and gives its differences apart.
+A value of which `--check` warns has a remedy: the report says so, and gives its differences apart (crowds only).
 
 What is complete is not run again, so that the suite goes on where it was interrupted; --quick starts anew.
 Exit code 1: a share or a time is different without a warning.
@@ -172,7 +172,7 @@ def compared(case, found):
         if factor == "reference":
             continue
         has_limit = case.factor(factor) in case.factors
-        warned = has_limit and is_warned(case, case.factor(factor), settings[factor, value])
+        warned = has_limit and not case.quick and is_warned(case, case.factor(factor), settings[factor, value])
         start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(runs), "warned": "yes" if warned else "",
                  "reference": case.factor(factor).word(case.factor(factor).reference)}
         if case.quick and has_limit:
