@@ -152,10 +152,11 @@ export class Symbols {
     parent.add(this.points);
   }
 
-  /** list: x, y, z and state; from above the symbols of many people are smaller, at least 6 pixels. */
-  show(list, isAbove) {
+  /** list: x, y, z and state; ratio: pixels of the picture per pixel of the window. From above the symbols of many people are
+   * smaller, at least 6 pixels of the window. */
+  show(list, isAbove, ratio) {
     const rank = (p) => (p.state === 'walking' ? 0 : HARMLESS.includes(p.state) ? 1 : 2), known = list.filter((p) => this.cells.has(p.state)).sort((a, b) => rank(a) - rank(b));
-    this.uniforms.size.value = !isAbove ? 15 : list.length > 300 ? 8 : list.length > 100 ? 10 : 13;
+    this.uniforms.size.value = ratio * (!isAbove ? 15 : list.length > 300 ? 8 : list.length > 100 ? 10 : 13);
     this.uniforms.high.value = innerHeight;
     const g = this.points.geometry;
     const position = new Float32Array(3 * known.length), cell = new Float32Array(known.length);
@@ -355,6 +356,32 @@ export function showPerson(person, terms, agent, hint, course, time) {
   }
   if (agent && agent.outcome !== 'active') parts.push(rows([['outcome', `${agent.outcome} at ${number(agent.time_s, 1)} s`], ['way', number(agent.path_length_m, 1), 'm'], ['deepest water', number(agent.max_depth_m), 'm'], ['most depth x speed', number(agent.max_dv_m2_s), 'm\u00b2/s']]));
   panel.replaceChildren(...parts);
+}
+
+const TABLE = ['person', 'group', 'state', 'since, s', 'x, m', 'z, m', 'depth, m', 'speed, m/s'];
+const urgency = ({ state }) => (['dead', 'drowned'].includes(state) ? 0 : HARMLESS.includes(state) ? 2 : 1);
+
+/** The people of a time as a table, the dead and the endangered first; the button of a row picks its person. */
+export function showTable(list, time, pick) {
+  const body = $('rows'), focus = document.activeElement?.closest?.('#rows tr')?.dataset.id, rows_by_id = new Map([...body.rows].map((row) => [row.dataset.id, row]));
+  $('rows-name').textContent = `people at ${time.toFixed(1)} s`;
+  if (!$('rows-head').cells.length) for (const name of TABLE) $('rows-head').append(Object.assign(document.createElement('th'), { scope: 'col', textContent: name }));
+  const ordered = list.sort((a, b) => urgency(a) - urgency(b) || (a.since ?? 0) - (b.since ?? 0) || a.id - b.id).map((p) => {
+    const row = rows_by_id.get(`${p.id}`) ?? document.createElement('tr');
+    if (!row.cells.length) {
+      row.dataset.id = p.id;
+      const button = Object.assign(document.createElement('button'), { textContent: p.id, onclick: () => pick(p.id) });
+      row.append(Object.assign(document.createElement('th'), { scope: 'row' }));
+      row.cells[0].append(button);
+      for (let k = 1; k < TABLE.length; ++k) row.insertCell();
+    }
+    [p.group, p.state, ...[p.since, p.x, p.z, p.depth, p.speed].map((v, k) => number(v, k < 3 ? 1 : 2))].forEach((text, k) => {
+      if (row.cells[k + 1].textContent !== text) row.cells[k + 1].textContent = text;
+    });
+    return row;
+  });
+  if (ordered.length !== body.rows.length || ordered.some((row, k) => row !== body.rows[k])) body.replaceChildren(...ordered);
+  if (focus !== undefined) body.querySelector(`[data-id="${focus}"] button`)?.focus();
 }
 
 export function fillHelp() {

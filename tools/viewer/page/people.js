@@ -173,7 +173,9 @@ function reach(ahead, beside, height) {
 }
 
 export class People {
-  constructor(parent, heights, groups, groundAt) {
+  /** period: after which the world repeats along x, m; 0: it does not. */
+  constructor(parent, heights, groups, groundAt, period = 0) {
+    this.period = period;
     this.groundAt = groundAt; // of x, z, m
     this.parent = parent;
     this.heights = heights; // of id, m
@@ -215,7 +217,13 @@ export class People {
     this.frame = before;
     for (let k = 0; k < before.count; ++k) {
       const id = before.arrays[0][k], other = places.get(id);
-      const value = (f) => before.arrays[f][k] + (other === undefined ? 0 : share * (after.arrays[f][other] - before.arrays[f][k]));
+      const seam = other === undefined || !this.period ? 0 : this.period * Math.round((after.arrays[1][other] - before.arrays[1][k]) / this.period);
+      const value = (f) => {
+        const a = before.arrays[f][k];
+        if (other === undefined) return a;
+        const b = a + share * (after.arrays[f][other] - a - (f === 1 ? seam : 0));
+        return f === 1 && seam ? b - this.period * Math.floor(b / this.period) : b;
+      };
       this.one(k, id, value, words.states[before.arrays[3][k]], words.postures[before.arrays[4][k]], {
         phase: this.phase(before, after, k, other, share), keep, step: jumps ? 0 : step, clock, poses: words.poses,
       });

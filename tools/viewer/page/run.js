@@ -74,6 +74,18 @@ export function endedBy(time) {
   return list;
 }
 
+/** All people at the time that is shown, one row each: those on their way, those that have ended, those still indoors. */
+export function tableOf() {
+  const since = new Map(), rows = new Map(), groups = show.scene?.crowd.groups ?? [];
+  for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6) since.set(id, { time, state });
+  const add = (id, state, more) => rows.set(id, { id, group: groups[groupOf(id)]?.name ?? '', state, since: since.get(id)?.time, ...more });
+  for (const p of show.people?.shown ?? []) add(p.id, stateShown(p), { x: p.x, z: p.z, speed: p.speed, depth: show.water?.grid.at(p.x, p.z) });
+  for (const [id, { state }] of since) if (!rows.has(id) && hasEnd(state)) add(id, state);
+  for (const end of endedBy(show.time)) if (!rows.has(end.id)) add(end.id, end.state, { x: end.x, z: end.z, since: show.agents.get(end.id).time_s });
+  if (show.ground) for (let id = groups.reduce((n, g) => n + g.count, 0) - 1; id >= 0; --id) if (!rows.has(id)) add(id, 'indoors');
+  return [...rows.values()];
+}
+
 export function countStates() {
   const counts = {}, seen = new Set(), all = show.scene?.crowd.groups.reduce((n, g) => n + g.count, 0) ?? show.people.shown.length;
   const add = (state) => (counts[state] = (counts[state] ?? 0) + 1);

@@ -3,10 +3,10 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/orbit';
 import { GROUP_COLOURS, castShadows, fit, goalsOf, inner, lightUp, lookDown, makeGround, makeSky, place } from './ground.js';
-import { $, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showLegend } from './panel.js';
+import { $, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showLegend, showTable } from './panel.js';
 import { People } from './people.js';
 import { Ground, makePlace } from './place.js';
-import { Stream, advance, asPeople, buffer, countStates, endedBy, faster, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, start, stateShown, takeTaus, wanted } from './run.js';
+import { Stream, advance, asPeople, buffer, countStates, endedBy, faster, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, start, stateShown, tableOf, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
 const calm = matchMedia('(prefers-reduced-motion: reduce)').matches; // nothing moves that the user has not started
@@ -69,7 +69,7 @@ const handlers = {
   people: (message) => buffer.takePeople(message),
   walkers: (message) => buffer.takeWalkers(message),
   paths: (message) => {
-    show.traces?.take(message, (id) => (show.groups > 1 ? 1 + (groupOf(id) % GROUP_COLOURS.length) : 0), show.scene?.world.ends === 'periodic' ? show.scene.world.length_m : 0);
+    show.traces?.take(message, (id) => (show.groups > 1 ? 1 + (groupOf(id) % GROUP_COLOURS.length) : 0), period());
   },
   text: (answer) => {
     if (answer.terms !== undefined && answer.id === show.selected) show.terms = answer.terms ? rowOf(answer.terms) : null;
@@ -132,10 +132,12 @@ function makeWater(message) {
   setWater();
 }
 
+const period = () => (show.scene?.world.ends === 'periodic' ? show.scene.world.length_m : 0);
+
 function makePeople() {
   if (show.people) return;
   show.groups = show.scene?.crowd.groups.length ?? 1;
-  show.people = new People(stage, heightOf, (id) => (show.groups > 1 ? groupOf(id) : -1), groundAt);
+  show.people = new People(stage, heightOf, (id) => (show.groups > 1 ? groupOf(id) : -1), groundAt, period());
   show.traces = new Traces(stage, ['#d7261e', ...GROUP_COLOURS], groundAt);
 }
 
@@ -279,7 +281,7 @@ function drawPeople(step, clock) {
   show.symbols.points.visible = show.symbolsOn;
   const marks = show.people.shown.map((p) => ({ x: p.x, y: p.y + (p.posture === 'upright' ? 0.62 * p.height : 0.75), z: p.z, state: stateShown(p) }));
   for (const end of endedBy(show.time)) if (!show.people.shown.some((p) => p.id === end.id)) marks.push({ x: end.x, y: groundAt(end.x, end.z) + 0.3, z: end.z, state: end.state });
-  show.symbols.show(marks, camera === top);
+  show.symbols.show(marks, camera === top, renderer.getPixelRatio());
 }
 
 // The water of the time that is shown.
@@ -318,6 +320,7 @@ function tick(now) {
   }
   if (controls.update()) awake = Math.max(awake, 2);
   if (show.drawn % 10 === 0 || awake > 0) showTexts();
+  tabulate();
   // A picture that would be the one before is not drawn.
   if (--awake <= 0 && !show.live && !show.playing && show.time === before) return;
   if (plain && now - painted < 100) return;
@@ -439,17 +442,36 @@ function help(isOpen) {
   $('help').classList.toggle('open', isOpen);
   $(isOpen ? 'help-close' : 'ask').focus();
 }
+// The table of people follows the clock, in steps that can be read.
+let tabledAt = -Infinity;
+function tabulate() {
+  const now = performance.now();
+  if (!$('people').classList.contains('open') || (now - tabledAt < 2000 && (show.playing || show.live))) return;
+  const key = `${show.time} ${show.changes.length} ${show.agents.size}`;
+  if (key === show.tabled) return;
+  [tabledAt, show.tabled] = [now, key];
+  showTable(tableOf(), show.time, select);
+}
+function table(isOpen) {
+  $('people').classList.toggle('open', isOpen);
+  show.tabled = '';
+  tabledAt = -Infinity;
+  tabulate();
+  $(isOpen ? 'people-close' : 'people-open').focus();
+}
 const KEYS = {
   ' ': () => setPlaying(!show.playing), ',': () => frameStep(-1), '.': () => frameStep(1), ArrowLeft: () => frameStep(-1), ArrowRight: () => frameStep(1), '-': () => faster(-1), '+': () => faster(1),
   Home: () => seek(0), End: () => seek(lastTime()), l: newest, w: () => cycle('form'), c: () => cycle('mode'), t: () => look(camera === top ? 'free' : 'top'),
   f: () => look('follow'), n: () => neighbour(1), p: () => neighbour(-1), r: () => (show.tracesOn = !show.tracesOn), s: () => (show.symbolsOn = !show.symbolsOn),
-  d: () => theme(!show.dark), '?': () => help(!$('help').classList.contains('open')), Escape: () => ($('help').classList.contains('open') ? help(false) : select(-1)),
+  d: () => theme(!show.dark), '?': () => help(!$('help').classList.contains('open')), i: () => table(!$('people').classList.contains('open')),
+  Escape: () => ($('help').classList.contains('open') ? help(false) : $('people').classList.contains('open') ? table(false) : select(-1)),
   'Shift+ArrowLeft': () => turn(-0.1, 0), 'Shift+ArrowRight': () => turn(0.1, 0), 'Shift+ArrowUp': () => turn(0, 0.07), 'Shift+ArrowDown': () => turn(0, -0.07),
   ArrowUp: () => pan(0, 0.05), ArrowDown: () => pan(0, -0.05), '[': () => pan(-0.05, 0), ']': () => pan(0.05, 0), PageUp: () => nearer(1.15), PageDown: () => nearer(1 / 1.15), 0: begin,
 };
 addEventListener('keydown', (event) => {
   if (['SELECT', 'INPUT'].includes(event.target.tagName) && !['?', 'Escape'].includes(event.key)) return;
   if (event.target.tagName === 'BUTTON' && [' ', 'Enter'].includes(event.key)) return; // they press it
+  if (event.target.closest('#people') && /^(Arrow|Page|Home|End)/.test(event.key)) return; // they scroll it
   const key = event.shiftKey && event.key.startsWith('Arrow') ? `Shift+${event.key}` : event.key;
   if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[key]) return;
   event.preventDefault();
@@ -463,6 +485,8 @@ on('live', 'click', newest);
 on('theme', 'click', () => theme(!show.dark));
 on('ask', 'click', KEYS['?']);
 on('help-close', 'click', KEYS['?']);
+on('people-open', 'click', () => table(true));
+on('people-close', 'click', () => table(false));
 on('more', 'click', () => $('look').classList.toggle('open'));
 on('time', 'input', () => seek(+$('time').value));
 on('speed', 'change', () => (show.speed = +$('speed').value));
@@ -479,7 +503,7 @@ on('run-step', 'click', () => stream.command('step'));
 
 /** For tests and for who drives the page from a script. */
 window.wade = {
-  show, project, select, look, eye: () => free.position.toArray(), theme, setPlaying, stream: () => stream,
+  show, project, select, look, camera: () => camera, eye: () => free.position.toArray(), theme, setPlaying, stream: () => stream,
   seek: (time) => (seek(time), (awake = 6)),
   picture, paint: () => paint(0),
   counts: () => show.counts ?? {},

@@ -361,7 +361,7 @@ export class Water {
         const sx = (level[east] - level[west]) / (cell * Math.max(1, east - west)), sz = (level[south] - level[north]) / (2 * cell);
         const steep = Math.hypot(sx, sz), fast = this.hasVelocity ? Math.hypot(vx[c], vz[c]) / Math.sqrt(g * Math.max(d, 0.05)) : 0;
         const thin = this.ground ? 0 : Math.max(0, 0.45 - 4 * d), slow = this.ground ? 0.5 : 0.22;
-        const foam = Math.min(0.85, Math.max(0, 1.1 * (steep - slow)) + Math.min(0.25, Math.max(0, 0.12 * (fast - 1))) + thin);
+        const foam = Math.min(0.85, Math.max(0, 1.1 * (steep - slow)) + Math.min(0.1, Math.max(0, 0.05 * (fast - 1))) + thin);
         set(j * this.rowLength + extra + i, edgeX(i), level[c], z, d, sx, sz, foam, vx[c], vz[c], 0);
       }
       for (let k = 1; k <= extra; ++k) { // over the edge: a jet that falls freely, which is no data
