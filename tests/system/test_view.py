@@ -20,13 +20,22 @@ import urllib.error
 import urllib.request
 from pathlib import Path
 
-from harness import BASIN, CLIENT, ENDLESS, PROGRAMS, SERVER as WATER, SystemTest, command_of, wait_until
+from harness import BASIN, CLIENT, ENDLESS, PROGRAMS, SMALL, SERVER as WATER, SystemTest, command_of, wait_until
 
 from wade import view
 from wade.outside import works
+from wade.paths import CONFIGS
 
 SERVER = PROGRAMS / "wade_view_server"
 PAGE_TEST = Path(__file__).resolve().parent / "view_page.mjs"
+HAMLET = CONFIGS / "places" / "hamlet.json"
+# People who walk round a world without ends.
+ROUND = [*ENDLESS, "--set", "/world/ends=periodic", "--set", "/crowd/groups/0/goal/x_m=100000", "--set", "/crowd/groups/0/goal/z_m=6"]
+COLOURS_TEST = PAGE_TEST.with_name("view_colours.mjs")
+# Particles in a river, cells in a channel, both, a prescribed flow, two sites with rasters: the scene, its options, its end, s.
+COLOURED = (("river/s05", (), 2), ("models/shallow_water_s05", (), 4), ("models/mixed_s05", (), 2),
+            ("river/s05", ("--set", "/fluid/model=kinematic"), 2),
+            ("places/village/village", ("--set", "/place/gates/0/opens_at_s=4"), 8), ("places/merewether/merewether", (), 60))
 KEPT = ["--set", "/crowd/poses/rate_hz=10"]  # both programs
 TERMS = ["--terms-every-s", "0.1", "--water-every-s", "0.5"]  # the crowd
 HEAD = struct.Struct("<4sIIIddIIfffI")  # tools/viewer/README.md
@@ -497,35 +506,49 @@ def missing_for_page():
 
 
 class Page(ViewTest):
+    def waiting_run(self, clock, three):
+        """A crowd that waits for its water and the server of its page; the command of the water is for the page's test."""
+        fifo, folder, session = self.folder / f"fifo_{clock}", self.folder / f"run_{clock}", f"{self.session}-{clock}"
+        common = [SMALL, "--session", session, *KEPT, *ROUND]
+        self.start(CLIENT, *common, *TERMS, "--commands", fifo, "--attach-timeout-s", "3600", "--out", folder)
+        wait_until(fifo.exists, "the FIFO")
+        server = self.view("--run", folder, "--session", session, "--commands", fifo, "--starts", three=three)
+        return {"address": server.address, "server": server.process.pid, "folder": str(folder), "session": session,
+                "water": [str(word) for word in (WATER, *common, "--clock", clock)]}
+
     @unittest.skipIf(missing_for_page(), missing_for_page())
     def test_the_page_in_a_browser(self):
         modules = view.modules_folder()
         run = self.kept_run()
-        fifo, recording = self.folder / "fifo", self.folder / "water.wrec"
+        recording = self.folder / "water.wrec"
         three = modules / "node_modules" / "three"
         ended = self.view("--run", run.folder, three=three)
         water = self.server(*KEPT, "--consumers", "2")
         recorder, crowd = self.start(PROGRAMS / "shm_record", self.session, recording), self.client(*KEPT, *TERMS)
         self.assert_ended_well(water, recorder, crowd)
         recorded = self.view("--run", crowd.run.folder, "--recording", recording, three=three)
-        snapshots = self.view("--run", crowd.run.folder, three=three)
-        crowd = self.client(*KEPT, *TERMS, "--commands", fifo, "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
-        wait_until(fifo.exists, "the FIFO")
-        live = self.view("--run", crowd.run.folder, "--session", self.session, "--commands", fifo, "--starts", three=three)
-        water = self.server(*KEPT, "--clock", "real_time", "--set", "/stop_when_no_agent_is_active=false", "--until-s", "5000")
+        snapped = crowd.run
+        snapshots = self.view("--run", snapped.folder, three=three)
+        place = [HAMLET, "--session", f"{self.session}-hamlet", "--set", "/fluid/shallow_water/cell_size_m=4",
+                 "--set", "/crowd/poses/rate_hz=2", "--until-s", "30"]
+        water = self.start(WATER, *place)
+        self.assert_ended_well(water, self.start(CLIENT, *place, "--out", self.folder / "hamlet"))
+        site = self.view("--run", self.folder / "hamlet", three=three)
+        running = {clock: self.waiting_run(clock, three) for clock in ("real_time", "fast")}
         outcome = run.outcome()
-        wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"]}
+        wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"], "folder": str(snapped.folder)}
         pictures = os.environ.get("WADE_VIEW_PICTURES", "-" if WHOLE else "")
-        pages = {"ended": ended.address, "live": live.address, "recorded": recorded.address,
-                 "snapshots": snapshots.address, "wanted": wanted}
+        pages = {"ended": ended.address, "recorded": recorded.address,
+                 "snapshots": snapshots.address, "site": site.address, "wanted": wanted,
+                 "running": running}
         test = subprocess.run(["node", PAGE_TEST, modules, pictures], input=json.dumps(pages), capture_output=True, text=True,
                               timeout=560)
-        for program in (water, crowd):
-            program.send(signal.SIGINT)
-            program.wait()
+        for one in running.values():
+            Path(f"/dev/shm/{one['session']}-fluid").unlink(missing_ok=True)  # of the water that the test has killed
         self.assertEqual(test.returncode, 0, test.stdout + test.stderr)
         print(test.stdout, end="")
-        self.assertIn('"tau":0.9', crowd.run.bytes_of("events.jsonl").decode().replace(" ", ""))
+        events = Path(running["real_time"]["folder"], "events.jsonl").read_text(encoding="utf-8")
+        self.assertIn('"tau":0.9', events.replace(" ", ""))
 
     @unittest.skipIf(missing_for_page(), missing_for_page())
     def test_the_page_is_under_3_mb_with_all_that_it_loads(self):
@@ -535,6 +558,21 @@ class Page(ViewTest):
         paths = ["/", *(f"/{name}" for name in names), *(f"/three/three.{part}.js" for part in ("module", "core")),
                  "/three/OrbitControls.js"]
         self.assertLess(sum(len(self.fetch(program, path)) for path in paths), 3e6)
+
+    @unittest.skipUnless(WHOLE and not missing_for_page(), missing_for_page() or "a long test, system_view_page_all")
+    def test_colours_are_those_of_the_legend_in_scenes_of_each_kind(self):
+        modules, pages = view.modules_folder(), []
+        for k, (scene, options, end) in enumerate(COLOURED):
+            words = [CONFIGS / f"{scene}.json", "--session", f"{self.session}-{k}", *options, "--until-s", str(end)]
+            recording, folder = self.folder / f"{k}.wrec", self.folder / f"coloured{k}"
+            water = self.start(WATER, *words, "--consumers", "2")
+            recorder = self.start(PROGRAMS / "shm_record", f"{self.session}-{k}", recording)
+            self.assert_ended_well(water, recorder, self.start(CLIENT, *words, "--out", folder))
+            server = self.view("--run", folder, "--recording", recording, three=modules / "node_modules" / "three")
+            pages.append({"name": " ".join([scene, *options]), "address": server.address, "time": end})
+        test = subprocess.run(["node", COLOURS_TEST, modules], input=json.dumps(pages), capture_output=True, text=True, timeout=1100)
+        self.assertEqual(test.returncode, 0, test.stdout + test.stderr)
+        print(test.stdout, end="")
 
     @unittest.skipUnless(WHOLE and not missing_for_page(), missing_for_page() or "a long test, system_view_page_all")
     def test_films_by_the_viewers_camera(self):
