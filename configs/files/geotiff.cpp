@@ -24,6 +24,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/map_system.hpp"
+#include "configs/files/plain_file.hpp"
 #include "configs/files/raster_file.hpp"
 
 namespace wade {
@@ -392,6 +393,7 @@ RasterFile read_geotiff(std::string_view bytes, const std::string& name) {
 void write_geotiff(const std::filesystem::path& file, const MapImage& image, int epsg) {
     prepare_libtiff();
     const auto fail = [&] { throw std::runtime_error(file.string() + " cannot be written: " + last_complaint); };
+    clear_name(file);
     OpenTiff tiff(TIFFOpen(file.c_str(), "w"), TIFFClose);
     if (!tiff) fail();
     TIFF* const out = tiff.get();

@@ -55,4 +55,16 @@ std::size_t PlainFile::read(std::uint64_t from, void* into, std::size_t count) c
     return done;
 }
 
+void clear_name(const std::filesystem::path& file) {
+    struct stat about {};
+    if (::lstat(file.c_str(), &about) != 0) return;
+    if (S_ISLNK(about.st_mode) || S_ISFIFO(about.st_mode) || S_ISSOCK(about.st_mode)) ::unlink(file.c_str());
+}
+
+int open_anew(const std::filesystem::path& file) {
+    clear_name(file);
+    constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+    return ::open(file.c_str(), flags, 0666);
+}
+
 }  // namespace wade

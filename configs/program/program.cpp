@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/plain_file.hpp"
 #include "configs/program/console_text.hpp"
 
 namespace wade {
@@ -77,6 +78,7 @@ void Console::copy_to(const std::filesystem::path& file) {
     if (is_stderr(file)) return;
     std::error_code ignored;
     std::filesystem::create_directories(file.parent_path(), ignored);
+    clear_name(file);
     copy_.open(file);
     if (!copy_) {
         throw ConfigurationError("--out: cannot write " + file.string());

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <ctime>
 #include <exception>
-#include <fstream>
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
@@ -45,7 +44,8 @@ void allow_open_files(std::span<const std::size_t> per_crowd) {
 
 std::string earlier_run(const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / "outcome.json";
-    if (!std::ifstream(file)) return "";
+    std::error_code ignored;
+    if (!std::filesystem::exists(std::filesystem::symlink_status(file, ignored))) return "";
     try {
         const Json outcome = Json::parse(read_text_file(file, file.string()));
         return outcome.at("scene").get<std::string>() + ", " +

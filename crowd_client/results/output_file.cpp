@@ -9,6 +9,8 @@
 #include <iterator>
 #include <utility>
 
+#include "configs/files/plain_file.hpp"
+
 namespace wade::crowd {
 namespace {
 
@@ -29,10 +31,6 @@ int write_all(int descriptor, std::string_view bytes) {
     return 0;
 }
 
-int open_for_writing(const std::filesystem::path& file) {
-    return ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-}
-
 }  // namespace
 
 bool means_full(int error_number) {
@@ -48,7 +46,7 @@ OutputError::OutputError(const std::filesystem::path& file, const std::string& r
 void write_whole_file(const std::filesystem::path& file, std::string_view content) {
     std::filesystem::path part = file;
     part += ".part";
-    const int descriptor = open_for_writing(part);
+    const int descriptor = open_anew(part);
     if (descriptor < 0) throw OutputError(file, errno);
     int error = write_all(descriptor, content);
     // Some devices cannot be flushed; that is no loss of content.
@@ -68,7 +66,7 @@ void make_run_folder(const std::filesystem::path& folder) {
         throw ConfigurationError("--out: cannot create the run folder '" + folder.string() + "': " + error.message());
     }
     const std::filesystem::path probe = folder / ".writable";
-    const int descriptor = open_for_writing(probe);
+    const int descriptor = open_anew(probe);
     if (descriptor < 0) {
         throw ConfigurationError("--out: cannot write to the run folder '" + folder.string() +
                                  "': " + std::strerror(errno));
@@ -78,7 +76,7 @@ void make_run_folder(const std::filesystem::path& folder) {
 }
 
 ReservedSpace::ReservedSpace(std::filesystem::path file, std::size_t bytes) : file_(std::move(file)) {
-    const int descriptor = open_for_writing(file_);
+    const int descriptor = open_anew(file_);
     if (descriptor < 0) throw OutputError(file_, errno);
     const int error = ::posix_fallocate(descriptor, 0, static_cast<off_t>(bytes));
     ::close(descriptor);
@@ -93,7 +91,7 @@ ReservedSpace::~ReservedSpace() {
     ::unlink(file_.c_str());
 }
 
-AppendFile::AppendFile(const std::filesystem::path& file) : file_(file), descriptor_(open_for_writing(file)) {
+AppendFile::AppendFile(const std::filesystem::path& file) : file_(file), descriptor_(open_anew(file)) {
     if (descriptor_ < 0) throw OutputError(file_, errno);
 }
 

@@ -10,6 +10,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/geotiff.hpp"
+#include "configs/files/plain_file.hpp"
 #include "configs/numbers/hazard.hpp"
 
 namespace wade::fluid {
@@ -52,6 +53,7 @@ std::string field_of(const std::string& name) {
 
 void write_gauges(const FloodMaps& maps, const std::filesystem::path& folder) {
     const std::filesystem::path file = folder / "gauges.csv";
+    clear_name(file);
     std::ofstream out(file);
     out.precision(9);
     out << "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s,discharge_x_m2_s,discharge_z_m2_s\n";

@@ -1,6 +1,5 @@
 #include "fluid_server/states/state_file.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -10,10 +9,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <system_error>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/plain_file.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/numbers/fnv1a.hpp"
 #include "configs/scene/channel.hpp"
@@ -49,9 +48,10 @@ struct Header {
 static_assert(sizeof(Header) == 128 && offsetof(Header, time) == 48 && offsetof(Header, layers_missed) == 104);
 
 constexpr std::uint64_t particle_bytes = particle_arrays.size() * sizeof(float) + sizeof(Kind);
+// Limits of /fluid/max_particles and of the texts of scenes.
+constexpr std::uint64_t most_particles = 100'000'000, most_scene_bytes = std::uint64_t{64} << 20;
 
-std::uint64_t hash_of_words(std::string_view bytes) {
-    std::uint64_t hash = fnv1a_basis;
+std::uint64_t hash_of_words(std::string_view bytes, std::uint64_t hash = fnv1a_basis) {
     while (!bytes.empty()) {
         std::uint64_t word = 0;
         const std::size_t n = std::min(sizeof word, bytes.size());
@@ -79,26 +79,34 @@ void require(bool holds, const std::filesystem::path& file, const std::string& f
     if (!holds) refuse(file, field, std::to_string(value), allowed);
 }
 
-std::string bytes_of(const std::filesystem::path& file) {
-    const auto fail = [&](const std::string& reason) {
-        throw ConfigurationError("cannot read the state of the fluid in " + file.string() + ": " + reason);
-    };
-    std::error_code error;
-    const std::uintmax_t size = std::filesystem::file_size(file, error);
-    if (error) fail(error.message());
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) fail(std::strerror(errno));
-    std::string bytes(size, '\0');
-    stream.read(bytes.data(), static_cast<std::streamsize>(size));
-    if (static_cast<std::uintmax_t>(stream.gcount()) != size) fail("it ends before its size");
-    return bytes;
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& reason) {
+    throw ConfigurationError("cannot read the state of the fluid in " + file.string() + ": " + reason);
 }
 
-Header checked_header(const std::filesystem::path& file, const std::string& bytes) {
-    const std::uint64_t size = bytes.size();
+void read_at(const PlainFile& plain, const std::filesystem::path& file, std::uint64_t from, void* into,
+             std::size_t bytes) {
+    if (plain.read(from, into, bytes) != bytes) fail(file, "it ends before its size");
+}
+
+// The checksum of a file in pieces, so that a file that claims much takes no memory before it proves to be whole.
+std::uint64_t checksum_of(const PlainFile& plain, const std::filesystem::path& file, Header h) {
+    h.checksum = 0;
+    std::uint64_t hash = hash_of_words({reinterpret_cast<const char*>(&h), sizeof h});
+    std::string piece(std::size_t{1} << 20, '\0');
+    for (std::uint64_t at = sizeof h; at < h.file_bytes; at += piece.size()) {
+        piece.resize(std::min<std::uint64_t>(piece.size(), h.file_bytes - at));
+        read_at(plain, file, at, piece.data(), piece.size());
+        hash = hash_of_words(piece, hash);
+    }
+    return hash;
+}
+
+Header checked_header(const std::filesystem::path& file, const PlainFile& plain) {
+    if (!plain.is_open()) fail(file, plain.problem());
+    const std::uint64_t size = plain.bytes();
     Header h{};
     require(size >= sizeof h, file, "size in bytes", size, "at least 128; this is no state of the fluid");
-    std::memcpy(&h, bytes.data(), sizeof h);
+    read_at(plain, file, 0, &h, sizeof h);
     if (std::memcmp(h.magic, magic, sizeof magic) != 0) {
         refuse(file, "the beginning", "something else", "\"wadestat\"; this is no state of the fluid");
     }
@@ -109,9 +117,11 @@ Header checked_header(const std::filesystem::path& file, const std::string& byte
     const std::uint64_t body = size - sizeof h;
     require(h.particles <= body / particle_bytes, file, "particles", h.particles,
             "0 to " + std::to_string(body / particle_bytes) + ", as many as the file has room for");
+    require(h.particles <= most_particles, file, "particles", h.particles, "0 to " + std::to_string(most_particles));
     const std::uint64_t rest = body - h.particles * particle_bytes;
     require(h.scene_bytes == rest, file, "scene bytes", h.scene_bytes, std::to_string(rest) + ", the rest of the file");
-    const std::uint64_t sum = checksum(bytes);
+    require(rest <= most_scene_bytes, file, "scene bytes", rest, "0 to " + std::to_string(most_scene_bytes));
+    const std::uint64_t sum = checksum_of(plain, file, h);
     require(h.checksum == sum, file, "checksum", h.checksum,
             std::to_string(sum) + ", that of the content; the file is damaged");
     return h;
@@ -150,18 +160,12 @@ void append(std::string& bytes, const std::vector<T>& values, std::size_t n) {
     bytes.append(reinterpret_cast<const char*>(values.data()), n * sizeof(T));
 }
 
-template <typename T>
-void take(std::string_view& bytes, std::vector<T>& values, std::size_t n) {
-    if (n > 0) std::memcpy(values.data(), bytes.data(), n * sizeof(T));
-    bytes.remove_prefix(n * sizeof(T));
-}
-
 }  // namespace
 
 void replace_file(const std::filesystem::path& file, std::string_view content) {
     std::filesystem::path part = file;
     part += ".part";
-    const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int descriptor = open_anew(part);
     int error = descriptor < 0 ? errno : 0;
     while (error == 0 && !content.empty()) {
         const ssize_t written = ::write(descriptor, content.data(), content.size());
@@ -209,18 +213,17 @@ void write_state(const std::filesystem::path& file, const FluidState& state, con
 
 bool is_state_or_new(const std::filesystem::path& file) {
     if (!std::filesystem::exists(std::filesystem::symlink_status(file))) return true;
-    if (!std::filesystem::is_regular_file(file)) return false;
     char begin[sizeof magic] = {};
-    std::ifstream in(file, std::ios::binary);
-    return in.read(begin, sizeof begin) && std::memcmp(begin, magic, sizeof magic) == 0;
+    return PlainFile(file).read(0, begin, sizeof begin) == sizeof begin && std::memcmp(begin, magic, sizeof magic) == 0;
 }
 
 FluidState read_state(const std::filesystem::path& file) {
-    const std::string bytes = bytes_of(file);
-    const Header h = checked_header(file, bytes);
-    std::string_view rest = std::string_view(bytes).substr(sizeof h);
+    const PlainFile plain(file);
+    const Header h = checked_header(file, plain);
     FluidState state;
-    state.scene = load_scene_text(rest.substr(rest.size() - h.scene_bytes), file.string() + ": scene").scene;
+    std::string scene(h.scene_bytes, '\0');
+    read_at(plain, file, h.file_bytes - h.scene_bytes, scene.data(), scene.size());
+    state.scene = load_scene_text(scene, file.string() + ": scene").scene;
     check_values(file, h, state.scene);
     state.time = h.time;
     state.frame = h.frame;
@@ -228,8 +231,14 @@ FluidState read_state(const std::filesystem::path& file) {
     if (h.has_emitter == 1) state.emitter = EmitterState{h.last_layer_x, h.stock, h.recycled, h.layers_missed};
     state.particles = Particles(h.particles);
     state.particles.count = h.particles;
-    for (const auto& [name, values] : particle_arrays) take(rest, state.particles.*values, h.particles);
-    take(rest, state.particles.kind, h.particles);
+    std::uint64_t at = sizeof h;
+    const auto take = [&](auto& values) {
+        const std::size_t bytes = h.particles * sizeof values[0];
+        read_at(plain, file, at, values.data(), bytes);
+        at += bytes;
+    };
+    for (const auto& [name, values] : particle_arrays) take(state.particles.*values);
+    take(state.particles.kind);
     check_particles(file, state.particles, state.emitter.has_value());
     return state;
 }

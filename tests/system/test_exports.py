@@ -452,7 +452,7 @@ class Maps(ExportTest):
         self.assertAlmostEqual(depth.sum() * 0.25, 80, 2)
 
     def test_pillow_reads_the_depths_of_the_snapshots(self):
-        from wade.pictures.place_maps import read_map
+        from wade.pictures.run_files import read_map
 
         self.assertIn("depth: 1 frames", self.export(RUN, "--to", "geotiff", "--from-s", 1, "--until-s", 6))
         depth, dx, dz = read_map(self.out / "water_000150.tif")

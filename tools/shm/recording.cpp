@@ -1,16 +1,13 @@
 #include "tools/shm/recording.hpp"
 
-#include <fcntl.h>
 #include <sys/file.h>
-#include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <span>
 
 #include "configs/errors/exit_code.hpp"
-#include "configs/files/plain_file.hpp"
 #include "shm_protocol/inside/bytes/crc32c.hpp"
 #include "shm_protocol/inside/bytes/hash.hpp"
 #include "tools/shm/frame_payload.hpp"
@@ -18,34 +15,37 @@
 namespace wade::recording {
 namespace {
 
-bool fetch(std::ifstream& file, void* into, std::uint64_t bytes) {
-    return bytes == 0 || static_cast<bool>(file.read(static_cast<char*>(into), static_cast<std::streamsize>(bytes)));
-}
-
-// Held as long as the file is in use, so that no recorder replaces it. A file that cannot be locked is read all the same.
-std::shared_ptr<void> lock_for_reading(const std::filesystem::path& file) {
-    if (const PlainFile plain(file); !plain.is_open())
-        throw ConfigurationError("The recording " + file.string() + " cannot be read: " + plain.problem() + ".");
-    const int fd = ::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0) return nullptr;
-    if (::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        ::close(fd);
-        throw ConfigurationError("The recording " + file.string() + " is being written.");
-    }
-    return {nullptr, [fd](void*) { ::close(fd); }};
-}
+constexpr std::uint64_t most_particles = 100'000'000;  // of a frame, the limit of /fluid/max_particles
 
 }  // namespace
 
-Recording::Recording(const std::filesystem::path& file)
-    : path_(file), lock_(lock_for_reading(file)), file_(file, std::ios::binary) {
-    std::error_code error;
-    file_bytes_ = std::filesystem::file_size(file, error);
-    if (error) throw ConfigurationError("The recording " + file.string() + " cannot be read: " + error.message() + ".");
-    if (!file_) throw ConfigurationError("The recording " + file.string() + " cannot be read.");
+// A file that cannot be locked is read all the same.
+Recording::Recording(const std::filesystem::path& file) : path_(file), file_(file) {
+    if (!file_.is_open())
+        throw ConfigurationError("The recording " + file.string() + " cannot be read: " + file_.problem() + ".");
+    if (::flock(file_.descriptor(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+        throw ConfigurationError("The recording " + file.string() + " is being written.");
+    file_bytes_ = file_.bytes();
     read_start();
     while (read_record()) {
     }
+}
+
+bool Recording::fetch(std::uint64_t from, void* into, std::uint64_t bytes) const {
+    return file_.read(from, into, bytes) == bytes;
+}
+
+// Reads the body in pieces: a head that claims much takes no memory.
+std::uint32_t Recording::crc_of_body(const RecordHead& head) const {
+    std::vector<std::byte> piece(std::size_t{1} << 20);
+    std::uint32_t crc = 0;
+    const std::uint64_t begin = whole_bytes_ + sizeof head;
+    for (std::uint64_t done = 0; done < head.body_bytes; done += piece.size()) {
+        piece.resize(std::min<std::uint64_t>(piece.size(), head.body_bytes - done));
+        if (!fetch(begin + done, piece.data(), piece.size())) refuse_next("it cannot be read");
+        crc = shm::crc32c(piece, crc);
+    }
+    return crc;
 }
 
 void Recording::refuse(const std::string& why) const {
@@ -64,7 +64,7 @@ void Recording::read_start() {
         shm::Header page;
     } start;
     static_assert(sizeof start == sizeof(FileHead) + sizeof(shm::Header));
-    if (!fetch(file_, &start, sizeof start) || start.head.magic != file_magic)
+    if (!fetch(0, &start, sizeof start) || start.head.magic != file_magic)
         refuse("is no recording: it does not begin with WADEREC1 and a header page");
     if (start.head.version != whole_version && start.head.version != thinned_version)
         refuse("is a recording of version " + std::to_string(start.head.version) + ", this program reads versions " +
@@ -78,6 +78,9 @@ void Recording::read_start() {
     } catch (const shm::Error& error) {
         refuse(std::string("holds a header that is refused. ") + error.what());
     }
+    if (map_.info.capacity > most_particles)
+        refuse("is of a stream of " + std::to_string(map_.info.capacity) +
+               " particles; allowed: " + std::to_string(most_particles));
     thinning_ = start.head.thinning;
     if (is_thinned(thinning_) != (start.head.version == thinned_version))
         refuse("is damaged: what its head says of thinning does not fit its version");
@@ -87,19 +90,20 @@ void Recording::read_start() {
 bool Recording::read_record() {
     RecordHead head;
     if (file_bytes_ - whole_bytes_ < sizeof head) return false;
-    if (!fetch(file_, &head, sizeof head)) refuse_next("it cannot be read");
+    if (!fetch(whole_bytes_, &head, sizeof head)) refuse_next("it cannot be read");
     if (shm::crc32c(bytes_of(head).first(offsetof(RecordHead, head_crc32c))) != head.head_crc32c)
         refuse_next("the CRC-32C of the head of its record is wrong");
     if (end_) refuse_next("something follows the end record");
     if (head.body_bytes > file_bytes_ - whole_bytes_ - sizeof head) return false;
-    std::vector<std::byte> body(head.body_bytes);
-    if (!fetch(file_, body.data(), body.size())) refuse_next("it cannot be read");
-    if (shm::crc32c(body) != head.body_crc32c) refuse_next("the CRC-32C of its record is wrong");
+    const std::uint64_t values = map_.fields.size() * map_.info.capacity;
+    if (head.body_bytes > sizeof(shm::SlotDescriptor) + largest_payload(payload_shuffled_zstd, values))
+        refuse_next("its record is longer than a frame can be");
+    if (crc_of_body(head) != head.body_crc32c) refuse_next("the CRC-32C of its record is wrong");
     if (head.kind == record_frame) {
-        keep_frame(head, body);
+        keep_frame(head);
     } else if (head.kind == record_end) {
-        if (body.size() != sizeof(EndBody)) refuse_next("the end record has a wrong size");
-        std::memcpy(&end_.emplace(), body.data(), sizeof(EndBody));
+        if (head.body_bytes != sizeof(EndBody)) refuse_next("the end record has a wrong size");
+        if (!fetch(whole_bytes_ + sizeof head, &end_.emplace(), sizeof(EndBody))) refuse_next("it cannot be read");
     } else {
         refuse_next("its record is of an unknown kind");
     }
@@ -107,14 +111,15 @@ bool Recording::read_record() {
     return true;
 }
 
-void Recording::keep_frame(const RecordHead& head, const std::vector<std::byte>& body) {
-    if (body.size() < sizeof(shm::SlotDescriptor)) refuse_next("its record is too short");
+void Recording::keep_frame(const RecordHead& head) {
+    if (head.body_bytes < sizeof(shm::SlotDescriptor)) refuse_next("its record is too short");
     const PayloadEncoding last = is_quantised(thinning_) ? payload_quantised_zstd : payload_shuffled_zstd;
     if (head.encoding > last) refuse_next("its encoding is unknown");
     FrameRecord record;
-    std::memcpy(&record.descriptor, body.data(), sizeof record.descriptor);
+    if (!fetch(whole_bytes_ + sizeof head, &record.descriptor, sizeof record.descriptor))
+        refuse_next("it cannot be read");
     record.payload_at = whole_bytes_ + sizeof head + sizeof record.descriptor;
-    record.payload_bytes = body.size() - sizeof record.descriptor;
+    record.payload_bytes = head.body_bytes - sizeof record.descriptor;
     record.encoding = static_cast<PayloadEncoding>(head.encoding);
     const shm::SlotDescriptor& d = record.descriptor;
     if (d.frame == 0) refuse_next("its number is 0");
@@ -142,9 +147,7 @@ void Recording::read(const FrameRecord& record, const shm::FrameFields& slot) {
         refuse("is damaged, frame " + std::to_string(d.frame) + ": " + why);
     };
     std::vector<std::byte> payload(record.payload_bytes);
-    file_.clear();
-    file_.seekg(static_cast<std::streamoff>(record.payload_at));
-    if (!fetch(file_, payload.data(), payload.size())) damaged("it cannot be read");
+    if (!fetch(record.payload_at, payload.data(), payload.size())) damaged("it cannot be read");
     auto fields = fields_of(slot, map_.info.kind);
     for (auto& field : fields) field = field.first(d.count);
     if (!decode_payload(payload, record.encoding, thinning_, fields))

@@ -3,12 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "configs/files/plain_file.hpp"
 #include "shm_protocol/inside/header.hpp"
 #include "shm_protocol/stream.hpp"
 #include "tools/shm/recording_format.hpp"
@@ -44,13 +43,14 @@ class Recording {
  private:
     void read_start();
     bool read_record();  // false at the end
-    void keep_frame(const RecordHead& head, const std::vector<std::byte>& body);
+    void keep_frame(const RecordHead& head);
+    [[nodiscard]] bool fetch(std::uint64_t from, void* into, std::uint64_t bytes) const;
+    [[nodiscard]] std::uint32_t crc_of_body(const RecordHead& head) const;
     [[noreturn]] void refuse(const std::string& why) const;
     [[noreturn]] void refuse_next(const std::string& why) const;  // names the frame after the last one kept
 
     std::filesystem::path path_;
-    std::shared_ptr<void> lock_;  // nobody writes the file meanwhile
-    std::ifstream file_;
+    PlainFile file_;  // locked, so that no recorder replaces the file meanwhile
     std::uint64_t file_bytes_ = 0, whole_bytes_ = 0;
     shm::SegmentMap map_;
     Thinning thinning_{};

@@ -8,16 +8,15 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <string>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/plain_file.hpp"
 #include "configs/json/json.hpp"
 #include "configs/loading/scene_loader.hpp"
 #include "configs/program/program.hpp"
@@ -38,11 +37,13 @@ struct Options {
     bool starts = false;
 };
 
+// The text of a file, of at most 64 MiB.
 std::string content_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
+    constexpr std::uint64_t most = std::uint64_t{64} << 20;
+    const PlainFile plain(file);
+    std::string text(std::min(plain.bytes(), most), '\0');
+    text.resize(plain.read(0, text.data(), text.size()));
+    return text;
 }
 
 // All that can be asked for, by path: a request never becomes a name of the file system.

@@ -37,8 +37,8 @@ std::uint32_t eight_bytes(std::uint32_t r, const std::byte* at) {
 
 }  // namespace
 
-std::uint32_t crc32c(std::span<const std::byte> bytes) {
-    std::uint32_t r = 0xFFFFFFFFU;
+std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before) {
+    std::uint32_t r = ~before;
     std::size_t i = 0;
     if constexpr (std::endian::native == std::endian::little)
         for (; i + 8 <= bytes.size(); i += 8) r = eight_bytes(r, bytes.data() + i);

@@ -9,6 +9,7 @@
 
 namespace wade::shm {
 
-std::uint32_t crc32c(std::span<const std::byte> bytes);
+// Of bytes that follow others, `before` is the CRC-32C of those.
+std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
 }  // namespace wade::shm

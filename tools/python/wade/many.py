@@ -14,7 +14,7 @@ import shutil
 import time
 from pathlib import Path
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.ensembles.engines import ENGINES, Signals, still_queued
 from wade.ensembles.ensemble import Ensemble, locked
 from wade.ensembles.folder import fingerprint, read_json, remove_left_overs
@@ -177,7 +177,7 @@ class Progress:
     def tell_of_waters(self):
         """Tells how far runs are that share a water, from what their crowds print."""
         for log in sorted(self.ensemble.folder.work.glob("*/water/crowd_client.log")):
-            lines = self.CROWDS.findall(log.read_text("utf-8", "replace"))
+            lines = self.CROWDS.findall(plain_file.read_text(log, "replace"))
             if not lines or (log, lines[-1]) in self.told:
                 continue
             self.told.add((log, lines[-1]))

@@ -21,7 +21,7 @@ import shutil
 import subprocess
 import tempfile
 
-from wade import UsageError, progress
+from wade import UsageError, plain_file, progress
 from wade.outside import require
 from wade.reports.files import write_whole
 from wade.run.folders import file_name
@@ -361,8 +361,8 @@ def import_place(options):
     """tools/wade place import."""
     rasters, vectors = [], []
     for path in options.files:
-        if not path.exists():
-            raise UsageError(f"{path} does not exist")
+        if not path.is_dir():  # which some formats of GDAL are
+            plain_file.open_plain(path).close()
         info = raster_info(path)
         if info:
             rasters.append((path, info))

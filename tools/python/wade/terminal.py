@@ -6,6 +6,7 @@ import sys
 import textwrap
 import time
 
+from wade import plain_file
 from wade.paths import INSTALLED
 from wade.progress import STATE
 
@@ -65,7 +66,7 @@ def harmless(text):
 
 def tail_of(log, lines):
     """The last lines of a log, harmless."""
-    return [harmless(line) for line in log.read_text("utf-8", "backslashreplace").split("\n") if line.strip()][-lines:]
+    return [harmless(line) for line in plain_file.read_text(log, "backslashreplace").split("\n") if line.strip()][-lines:]
 
 
 def wrapped(text, indent="  "):

@@ -1,7 +1,11 @@
 // Files of a run, and what happens when they cannot be written. What every output promises is tried of each in the list.
 
+#include <sys/resource.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -45,10 +49,33 @@ TEST_CASE("A file is replaced as a whole, and stays as it was if the disk is ful
     CHECK(content_of(file) == "new");
     CHECK_FALSE(fs::exists(file.string() + ".part"));
 
-    fs::create_symlink("/dev/full", file.string() + ".part");
+    // A limit of size stands for the full disk.
+    rlimit before{};
+    REQUIRE(::getrlimit(RLIMIT_FSIZE, &before) == 0);
+    const rlimit nothing{0, before.rlim_max};
+    const auto handler = ::signal(SIGXFSZ, SIG_IGN);
+    REQUIRE(::setrlimit(RLIMIT_FSIZE, &nothing) == 0);
     const std::string message = message_of([&] { write_whole_file(file, "never"); });
+    ::setrlimit(RLIMIT_FSIZE, &before);
+    ::signal(SIGXFSZ, handler);
     CHECK_THAT(message, Catch::Contains("no space left on the device of '" + file.string() + "'"));
     CHECK(content_of(file) == "new");
+}
+
+TEST_CASE("A file is written beside links and FIFOs of its name, which lead nowhere") {
+    TemporaryFolder folder;
+    const fs::path file = folder.path / "outcome.json", elsewhere = folder.path / "elsewhere";
+    write_whole_file(elsewhere, "kept");
+    fs::create_symlink(elsewhere, file.string() + ".part");
+    write_whole_file(file, "first");
+    REQUIRE(::mkfifo((file.string() + ".part").c_str(), 0600) == 0);
+    write_whole_file(file, "second");
+    CHECK(content_of(file) == "second");
+    CHECK(content_of(elsewhere) == "kept");
+    fs::create_symlink(elsewhere, folder.path / "grows.csv");
+    AppendFile(folder.path / "grows.csv").append("row");
+    CHECK(content_of(folder.path / "grows.csv") == "row");
+    CHECK(content_of(elsewhere) == "kept");
 }
 
 TEST_CASE("A run folder that cannot be made is a usage error that names it") {

@@ -15,6 +15,7 @@ from wade import UsageError
 from wade.export import body, surfaces
 from wade.export.sources import Points, Thinning
 from wade.pictures import figure, film, render, run_files, texts, top_view
+from wade.run.outcome import read_agents
 
 
 def scene(velocity=1.5, history=(), ends="open", goals=((5.0, 9.0),), taus=(0.2,)):
@@ -105,7 +106,7 @@ class Film(unittest.TestCase):
                                                      "indoors": 1}, time)
 
     def test_the_top_view_of_the_end_counts_the_same(self):
-        rows = run_files.read_agents(self.folder / "agents.csv")
+        rows = read_agents(self.folder / "agents.csv")
         ends, _ = top_view.people_at(rows, {}, 3, True)
         self.assertEqual({outcome: len(at) for outcome, at in ends.items()}, {"active": 0, "arrived": 0, "sheltered": 1, "dead": 1})
 

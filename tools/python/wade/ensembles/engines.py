@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.ensembles.one import carry_out, read_unit, worker_command
 from wade.outside import fault_of
 from wade.paths import BUILD
@@ -194,7 +194,7 @@ def slurm(ensemble, indices, options, signals, tell):
 def still_queued(ensemble):
     """The job of Slurm that an earlier call has left and that is not over; None if there is none."""
     try:
-        job = (ensemble.path / "slurm_job.txt").read_text(encoding="utf-8").strip()
+        job = plain_file.read_text(ensemble.path / "slurm_job.txt").strip()
     except OSError:
         return None
     return job if shutil.which("squeue") and queued(job) else None

@@ -11,7 +11,7 @@ import shlex
 import time
 from pathlib import Path
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.commands import PAIR
 from wade.ensembles.folder import FAILURE, EnsembleFolder, fingerprint, is_complete, read_json
 from wade.ensembles.plan import find_scenes, is_plan, plan_text, product, read_plan, scene_name
@@ -36,7 +36,7 @@ def strings_of(value):
 def inputs_of(scenes):
     """{file: digest of its content} of the files that resolved scenes name, which they do with absolute paths."""
     files = {text for scene in scenes for text in strings_of(scene) if text.startswith("/") and Path(text).is_file()}
-    return {file: hashlib.sha256(Path(file).read_bytes()).hexdigest()[:16] for file in sorted(files)}
+    return {file: hashlib.sha256(plain_file.read_bytes(file, plain_file.TABLE_MIB)).hexdigest()[:16] for file in sorted(files)}
 
 
 class Ensemble:
@@ -45,7 +45,7 @@ class Ensemble:
     def __init__(self, options):
         self.options = options
         self.folder = EnsembleFolder(options.out)
-        self.kept = read_json(self.folder.settings)
+        self.kept = plain_file.read_json(self.folder.settings) if os.path.lexists(self.folder.settings) else None
         if self.kept and not (options.resume or options.gather):
             raise UsageError(f"--out: {options.out} holds an ensemble; --resume goes on with it, --gather sums it up")
         if not self.kept and not options.scenes:
@@ -170,7 +170,7 @@ class Ensemble:
 def locked(folder):
     """One command at a time works in a folder."""
     folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / ".lock", "ab") as lock:
+    with plain_file.open_lock(folder / ".lock") as lock:
         given_up_at = time.monotonic() + PATIENCE_WITH_LOCK_S
         while True:
             try:

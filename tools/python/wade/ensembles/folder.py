@@ -1,10 +1,13 @@
 """The folder of an ensemble: what is complete in it, how a run gets into it whole, and what dead workers left."""
 
+import errno
 import hashlib
 import json
 import os
 import re
 from pathlib import Path
+
+from wade import plain_file
 
 FAILURE = "failure.json"
 # Ends that another try may not meet: a time-out, a peer that died or gave up, a name in use, a kill.
@@ -27,8 +30,8 @@ def is_accident(code):
 def read_json(file):
     """A JSON file; None if there is none that is whole."""
     try:
-        return json.loads(Path(file).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return plain_file.read_json(file)
+    except plain_file.FileError:
         return None
 
 
@@ -76,15 +79,17 @@ def status_of(folder, expected, seed):
     if manifest.get("seed") != seed or fingerprint(manifest.get("resolved_scene", {})) != expected:
         return "stale"
     status = outcome.get("status", "failed")
-    return status if status != "completed" or has_all_agents(folder, outcome) else "failed"
+    return status if status != "completed" or not fault_of_agents(folder, outcome) else "failed"
 
 
-def has_all_agents(folder, outcome):
-    """Whether agents.csv has a whole line for each agent."""
+def fault_of_agents(folder, outcome):
+    """Returns why agents.csv does not count; empty if it has a whole line for each agent."""
     try:
-        return (folder / "agents.csv").read_bytes().count(b"\n") == outcome["agents"] + 1
-    except (OSError, KeyError):
-        return False
+        with plain_file.open_plain(folder / "agents.csv", plain_file.TABLE_MIB) as file:
+            lines = sum(piece.count(b"\n") for piece in iter(lambda: file.read(1 << 20), b""))
+        return "" if lines == outcome["agents"] + 1 else "agents.csv cut off"
+    except plain_file.FileError as error:
+        return "agents.csv cut off" if error.errno == errno.ENOENT else f"{Path(error.filename).name}: {error.strerror}"
 
 
 def is_complete(folder, expected, seed):

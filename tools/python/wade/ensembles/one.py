@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.ensembles.folder import (FAILURE, EnsembleFolder, is_accident, is_complete, message_of, name_of, publish,
                                    read_json, remove_left_overs, remove_tree, status_of, worker_name)
 from wade.paths import BUILD, CACHE, ROOT, module_command
@@ -79,7 +79,7 @@ def start_pair(pair, unit, runs, home, session):
     logs = {}
 
     def start(name, command):
-        with open(home / f"{name}.log", "w", encoding="utf-8") as log:
+        with plain_file.create(home / f"{name}.log") as log:
             logs[name] = home / f"{name}.log"
             return pair.start(command, stdout=log, stderr=log)
 
@@ -107,7 +107,7 @@ def why(folder, logs, codes):
     if cause > 128:
         return f"{culprit} was killed by signal {cause - 128}"
     said = (read_json(folder / "outcome.json") or {}).get("message")
-    said = said or message_of(logs[culprit].read_text("utf-8", "backslashreplace")) or "no message"
+    said = said or message_of(plain_file.read_text(logs[culprit], "backslashreplace")) or "no message"
     return re.sub(r" \(process \d+\)", "", said)
 
 
@@ -226,7 +226,7 @@ def indices_of(words):
     if words and "--of" not in words:
         indices, mpi = " ".join(words).split(), False
     elif len(words) == 4 and words[0] == "--of" and words[2] == "--share":
-        indices, mpi = own_share(Path(words[1]).read_text(encoding="utf-8").split(), words[3]), words[3] == "mpi"
+        indices, mpi = own_share(plain_file.read_text(words[1]).split(), words[3]), words[3] == "mpi"
     else:
         raise UsageError("behind PLAN is allowed: INDEX ..., or --of LIST --share K/N")
     for index in indices:

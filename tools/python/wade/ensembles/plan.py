@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.paths import CONFIGS
 from wade.scenes import find_scene
 
@@ -114,9 +114,9 @@ def is_plan(name):
 def read_plan(file):
     """The runs of a plan; where it has no index, its lines are counted. UsageError names line, column, what is allowed."""
     try:
-        text = Path(file).read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        raise UsageError(f"the plan {file} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        text = plain_file.read_text(file)
+    except plain_file.FileError as error:
+        raise UsageError(f"the plan {file} cannot be read: {error.strerror}") from error
     rows = csv.DictReader(line for line in io.StringIO(text) if not line.startswith("#"))
     if not {"scene"} <= set(rows.fieldnames or ()) <= set(COLUMNS):
         raise UsageError(f"{file}: the first line is {','.join(rows.fieldnames or ())}; allowed: {','.join(COLUMNS)}")

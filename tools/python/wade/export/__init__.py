@@ -127,12 +127,9 @@ def export(stream, writer, thinning):
 def export_depths(options, thinning, folder):
     """For vtk without particles: the depths that a run folder has."""
     from wade.export.tables import Depths
-    from wade.pictures.run_files import RunError, water_snapshots
+    from wade.pictures.run_files import water_snapshots
 
-    try:
-        grid, records = water_snapshots(options.source / "water.bin")
-    except RunError as error:
-        raise UsageError(str(error)) from error
+    grid, records = water_snapshots(options.source / "water.bin")
     if records is not None:
         print(f"depth: {Depths(folder, grid, records).write(thinning)} frames")
 
@@ -141,17 +138,14 @@ def export_surfaces(options, thinning, folder):
     """For ply and obj without particles: the surface over the depths that a run folder of a channel has."""
     from wade.export import meshes, sources
     from wade.export.tables import Snapshot
-    from wade.pictures.run_files import RunError, water_snapshots
+    from wade.pictures.run_files import water_snapshots
     from wade.pictures.top_view import water_cells
 
     scene = sources.scene_of(options.source)
     if scene.get("place"):
         print("no surface: water.bin does not know the heights of a site; allowed: --water RECORDING (tools/wade run --record)")
         return
-    try:
-        grid, records = water_snapshots(options.source / "water.bin")
-    except RunError as error:
-        raise UsageError(str(error)) from error
+    grid, records = water_snapshots(options.source / "water.bin")
     count = 0
     for shown in thinning.chosen(map(Snapshot, records)) if records is not None else []:
         mesh = meshes.surface_of_snapshot(water_cells((shown.time_s, *grid, shown.depth), scene), scene)
@@ -167,36 +161,23 @@ def export_surfaces(options, thinning, folder):
 def export_geotiff(options, thinning, folder):
     """The water of a run folder on its cells: of --water, else the depths of its snapshots; and the maps of a place."""
     from wade.export import sources, tables
-    from wade.pictures.run_files import RunError, water_snapshots
+    from wade.pictures.run_files import water_snapshots
 
     if not options.source.is_dir():
         raise UsageError("--to geotiff needs the run folder, which knows where the water lies: tools/wade export RUN --water "
                          f"{options.source}")
     maps = options.source / "maps"
     maps = maps if (maps / "max_depth_m.tif").exists() else None
-    try:
-        writer = tables.GeoTiff(folder, sources.scene_of(options.source), maps, options.region)
-        thinning.region = None  # whole cells, which the writer chooses
-        if options.water:
-            print(f"water: {export(sources.of_recording(options.water), writer, thinning)} frames")
-        else:
-            grid, records = water_snapshots(options.source / "water.bin")
-            chosen = thinning.chosen(map(tables.Snapshot, records)) if records is not None else []
-            print(f"depth: {sum(writer.add_snapshot(one, grid) is None for one in chosen)} frames")
-    except RunError as error:
-        raise UsageError(str(error)) from error
+    writer = tables.GeoTiff(folder, sources.scene_of(options.source), maps, options.region)
+    thinning.region = None  # whole cells, which the writer chooses
+    if options.water:
+        print(f"water: {export(sources.of_recording(options.water), writer, thinning)} frames")
+    else:
+        grid, records = water_snapshots(options.source / "water.bin")
+        chosen = thinning.chosen(map(tables.Snapshot, records)) if records is not None else []
+        print(f"depth: {sum(writer.add_snapshot(one, grid) is None for one in chosen)} frames")
     if maps:
         print(f"maps: {', '.join(tables.copy_maps(maps, folder))}")
-
-
-def check_end(options):
-    """Refuses an export that begins after the end of a run."""
-    from wade.pictures.run_files import RunError, check_time
-
-    try:
-        check_time(options.source, options.from_s, "--from-s")
-    except RunError as error:
-        raise UsageError(str(error)) from error
 
 
 def main(arguments):
@@ -214,7 +195,9 @@ def main(arguments):
     from wade.export.sources import Thinning
 
     if options.from_s and options.source.is_dir():
-        check_end(options)
+        from wade.pictures.run_files import check_time
+
+        check_time(options.source, options.from_s, "--from-s")
     thinning = Thinning(options.every, options.interval_s, options.from_s, options.until_s, options.region)
     streams = streams_of(options) if options.to != "geotiff" else []
     try:
@@ -230,6 +213,8 @@ def main(arguments):
                 shutil.copyfile(pathlib.Path(__file__).with_name(OPENER), folder / OPENER)
             if options.to == "vtk" and options.source.is_dir() and not options.water:
                 export_depths(options, thinning, folder)
+    except UsageError:  # of a file that is read
+        raise
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
     print(f"{options.to}: {options.out}")

@@ -6,12 +6,14 @@ import struct
 
 import numpy as np
 
-from wade import UsageError
+from wade import UsageError, plain_file
 
 HEAD, PAGE, RECORD, DESCRIPTOR = 64, 4096, 24, 256
 FLUID, AGENTS = 1, 2
 FIELDS = ("mass", "vx", "vy", "vz", "px", "py", "pz")
 OF_AGENTS = ("radius", "height", "state")
+MOST_PARTICLES = 100_000_000  # of a frame, the limit of /fluid/max_particles
+LARGEST_PAYLOAD = 41 * MOST_PARTICLES  # bytes: ten fields and what Zstandard may add
 PLAIN, SHUFFLED, QUANTISED = 0, 1, 2  # encodings of a payload
 
 
@@ -33,6 +35,8 @@ def zstd():
         library = ctypes.CDLL("libzstd.so.1")
     except OSError as error:
         raise UsageError("compressed recordings need libzstd.so.1; Debian: apt-get install libzstd1") from error
+    library.ZSTD_getFrameContentSize.restype = ctypes.c_ulonglong
+    library.ZSTD_getFrameContentSize.argtypes = [ctypes.c_char_p, ctypes.c_size_t]
     library.ZSTD_decompress.restype = ctypes.c_size_t
     library.ZSTD_decompress.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t]
     return library
@@ -40,6 +44,8 @@ def zstd():
 
 def unpacked(payload, size):
     """`size` bytes out of a Zstandard frame; None if it holds something else."""
+    if zstd().ZSTD_getFrameContentSize(payload, len(payload)) != size:
+        return None
     into = np.empty(size, dtype=np.uint8)
     return into if zstd().ZSTD_decompress(into.ctypes.data, size, payload, len(payload)) == size else None
 
@@ -54,10 +60,7 @@ class Recording:
 
     def __init__(self, path):
         self.path = path
-        try:
-            self.file = open(path, "rb")
-        except OSError as error:
-            raise UsageError(f"cannot read {path}: {error.strerror}") from error
+        self.file = plain_file.open_plain(path)
         start = self.file.read(HEAD + PAGE)
         if len(start) < HEAD + PAGE or start[:8] != b"WADEREC1":
             raise UsageError(f"{path} is no recording: it does not begin with WADEREC1 and a header page")
@@ -75,6 +78,8 @@ class Recording:
         self.origin = struct.unpack_from("<3d", page, 104)
         self.axes = struct.unpack_from("<3i", page, 128)
         self.radius, = struct.unpack_from("<d", page, 144)  # of a particle, m; 0: not given
+        if not (0 < self.ticks_per_frame and 0 < self.ticks_per_second and all(1 <= abs(axis) <= 3 for axis in self.axes)):
+            raise UsageError(f"{path} is damaged: its header page is that of no stream")
         self.producer = page[224:288].split(b"\0")[0].decode("utf-8", "replace")
         self.fields = FIELDS + OF_AGENTS * (self.kind == AGENTS)
         self.rest = 0  # bytes after the last whole frame, known once all have been read
@@ -95,6 +100,8 @@ class Recording:
                 descriptor = self.file.read(DESCRIPTOR)
                 if size < DESCRIPTOR or len(descriptor) < DESCRIPTOR:
                     break
+                if size - DESCRIPTOR > LARGEST_PAYLOAD or struct.unpack_from("<I", descriptor, 24)[0] > MOST_PARTICLES:
+                    raise UsageError(f"{self.path} is damaged: the frame at byte {at} is larger than a frame can be")
                 _, number, tick, count, _, own, before = struct.unpack_from("<QQQIIQQ", descriptor)
                 place = at + RECORD + DESCRIPTOR, size - DESCRIPTOR
                 yield Frame(self, number, tick / self.ticks_per_second, (before, own), count, encoding, place)

@@ -1,14 +1,13 @@
 """What is exported: the water of a recording and the people of a run folder, one frame at a time."""
 
-import csv
 import itertools
-import json
-import sqlite3
+import os
 
 import numpy as np
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.export.recording import AGENTS, Recording
+from wade.run.outcome import MOST_PEOPLE, path_rate, read_agents
 from wade.states import CODES
 from wade.terminal import say_error
 
@@ -117,11 +116,9 @@ def particles_of(frame):
 def scene_of(folder):
     """The scene of a run folder with every default."""
     try:
-        return json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["resolved_scene"]
-    except OSError as error:
+        return plain_file.read_json(folder / "manifest.json")["resolved_scene"]
+    except plain_file.FileError as error:
         raise UsageError(f"{folder} is no run folder: cannot read manifest.json: {error.strerror}") from error
-    except (ValueError, KeyError) as error:
-        raise UsageError(f"{folder}/manifest.json is not that of a run: {error}") from error
 
 
 def of_recording(path):
@@ -155,12 +152,10 @@ class People:
     def __init__(self, folder):
         self.folder, self.scene = folder, scene_of(folder)
         self.poses, self.paths = folder / "poses.csv", folder / "trajectories.sqlite"
-        rows = []
-        if (folder / "agents.csv").exists():
-            with open(folder / "agents.csv", newline="", encoding="utf-8") as file:
-                rows = list(csv.DictReader(file))
-        self.heights, self.ends = np.full(len(rows), 1.7), np.full(len(rows), np.inf)
-        self.outcomes = np.zeros(len(rows), "i4")
+        rows = read_agents(folder / "agents.csv")
+        room = 1 + max((int(row["id"]) for row in rows), default=-1)
+        self.heights, self.ends = np.full(room, 1.7), np.full(room, np.inf)
+        self.outcomes = np.zeros(room, "i4")
         for row in rows:
             who = int(row["id"])
             self.heights[who] = float(row["height_m"])
@@ -168,33 +163,33 @@ class People:
                 self.ends[who], self.outcomes[who] = float(row["time_s"]), CODES[row["outcome"]]
         world = self.scene["world"]
         self.period = world["length_m"] if world["ends"] == "periodic" else 0
-        if self.poses.exists():
+        if os.path.lexists(self.poses):
             self.rate_hz = float(self.scene["crowd"]["poses"]["rate_hz"])
-        elif self.paths.exists():
-            self.rate_hz = float(self.query("SELECT value FROM metadata WHERE key = 'fps'")[0][0])
+        elif os.path.lexists(self.paths):
+            with plain_file.database(self.paths) as database:
+                self.rate_hz = path_rate(database, self.paths)
         else:
             raise UsageError(f"{folder} holds no paths, neither trajectories.sqlite nor poses.csv")
 
     def query(self, sql):
-        try:
-            database = sqlite3.connect(f"file:{self.paths}?mode=ro", uri=True)
-            try:
-                return database.execute(sql).fetchall()
-            finally:
-                database.close()
-        except sqlite3.Error as error:
-            raise UsageError(f"cannot read {self.paths}: {error}") from error
+        with plain_file.database(self.paths) as database:
+            return database.execute(sql).fetchall()
 
     def rows(self):
         """(frame, rows) of all frames; the columns of rows are ROW."""
-        return self.rows_of_poses() if self.poses.exists() else self.rows_of_paths()
+        return self.rows_of_poses() if os.path.lexists(self.poses) else self.rows_of_paths()
 
     def rows_of_paths(self):
         last = self.query("SELECT max(frame) FROM trajectory_data")[0][0]
         for first in range(0, (last or 0) + 1, BLOCK):
             found = self.query("SELECT frame, id, pos_x, pos_y, ori_x, ori_y FROM trajectory_data WHERE frame "
                                f"BETWEEN {first} AND {first + BLOCK - 1} ORDER BY frame, id")
-            rows = np.array(found, float).reshape(-1, 6)
+            try:
+                rows = np.array(found, float).reshape(-1, 6)
+            except ValueError as error:
+                raise plain_file.FileError(self.paths, f"it holds no numbers: {error}") from error
+            if len(rows) and not 0 <= rows[:, 1].min() <= rows[:, 1].max() < MOST_PEOPLE:
+                raise plain_file.FileError(self.paths, "a person's number is out of range")
             for part in np.split(rows, np.flatnonzero(np.diff(rows[:, 0])) + 1):
                 if len(part):
                     heading = np.arctan2(part[:, 5], part[:, 4])
@@ -202,11 +197,14 @@ class People:
                     yield int(part[0, 0]), np.column_stack([part[:, 1:4], heading, rest])
 
     def rows_of_poses(self):
-        with open(self.poses, newline="", encoding="utf-8") as file:
-            for frame, group in itertools.groupby(csv.DictReader(file), lambda row: row["frame"]):
-                rows = [self.row_of_pose(row) for row in group if row["holds"] is not None]  # else cut off by a kill
-                if rows:
-                    yield int(frame), np.array(rows)
+        for frame, group in itertools.groupby(plain_file.table_rows(self.poses), lambda row: row["frame"]):
+            try:
+                number, rows = int(frame), np.array([self.row_of_pose(row) for row in group])
+            except ValueError as error:
+                raise plain_file.FileError(self.poses, f"frame {frame[:20]}: {error}") from error
+            if not 0 <= rows[:, 0].min() <= rows[:, 0].max() < MOST_PEOPLE:
+                raise plain_file.FileError(self.poses, f"frame {number}: a person's number is out of range")
+            yield number, rows
 
     def row_of_pose(self, row):
         who, lean_x, lean_z = int(row["id"]), float(row["lean_x_rad"]), float(row["lean_z_rad"])
@@ -259,10 +257,8 @@ def of_run(folder):
     """The stream of people of a run folder."""
     people = People(folder)
     made = Stream("people", people.rate_hz, people.frames)
-    try:
-        made.end_s = float(json.loads((folder / "outcome.json").read_text(encoding="utf-8"))["sim_time_s"])
-    except (OSError, ValueError, KeyError):
-        pass
+    if os.path.lexists(folder / "outcome.json"):  # of a run that was killed early there is none
+        made.end_s = float(plain_file.read_json(folder / "outcome.json")["sim_time_s"])
     return made
 
 

@@ -1,13 +1,13 @@
 """Writers of particles and people, frame by frame: VTK for ParaView, PLY for Blender, GeoTIFF, CSV, and PedPy's text."""
 
 import csv
-import shutil
 import zlib
 
 import numpy as np
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.export.meshes import write_ply
+from wade.reports.files import write_whole
 from wade.states import CODES
 
 STATE_WORDS = ", ".join(f"{code} {word}" for word, code in CODES.items())
@@ -206,7 +206,7 @@ class GeoTiff:
         self.origin = np.array([place.get("origin_easting_m", 0), place.get("origin_northing_m", 0)], float)
         self.walls = None
         if maps:
-            from wade.pictures.place_maps import read_map
+            from wade.pictures.run_files import read_map
 
             largest, _, _ = read_map(maps / "max_depth_m.tif")
             self.edges = [np.linspace(edges[0], edges[-1], n + 1) for edges, n in zip(self.edges, largest.shape)]
@@ -257,9 +257,12 @@ class GeoTiff:
 
 def copy_maps(maps, folder):
     """The maps of a place, which are GeoTIFF already; their names."""
+    from wade.pictures.run_files import read_map
+
     files = sorted(maps.glob("*.tif"))
     for file in files:
-        shutil.copyfile(file, folder / file.name)
+        read_map(file)  # a damaged one is refused
+        write_whole(folder / file.name, plain_file.read_bytes(file, plain_file.TABLE_MIB))
     return [file.stem for file in files]
 
 

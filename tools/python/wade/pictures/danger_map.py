@@ -4,7 +4,7 @@ Needs danger.csv, which crowd_client writes with --danger-every-s 1. Levels: Tab
 Viseu (2006), by depth times speed: low below 0.5 m2/s, moderate below 0.75, high below 1, very high from there on.
 """
 
-import csv
+import os
 import pathlib
 
 import matplotlib.pyplot as plt
@@ -13,9 +13,11 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from wade import plain_file
 from wade.pictures import run_files, top_view
 from wade.pictures.figure import write
 from wade.pictures.texts import draw_legend, draw_title, subtitle_of, title_of
+from wade.run.outcome import read_agents
 from wade.terminal import Parser
 
 # Light to dark, so that the order is seen without colours, too; blue and black marks stand out from all of them.
@@ -29,10 +31,9 @@ PATH = "#3a3a40"
 
 
 def read_cells(path):
-    if not path.exists():
+    if not os.path.lexists(path):
         raise run_files.RunError(f"'{path}' does not exist; run crowd_client with --danger-every-s 1")
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return plain_file.read_table(path)
 
 
 def draw_levels(axes, cells):
@@ -87,11 +88,11 @@ def met_text(agents):
 
 
 def draw(run, output):
-    manifest = run_files.read_json(run / "manifest.json")
-    outcome = run_files.read_json(run / "outcome.json")
+    manifest = plain_file.read_json(run / "manifest.json")
+    outcome = plain_file.read_json(run / "outcome.json")
     cells = read_cells(run / "danger.csv")
     scene = manifest["resolved_scene"]
-    agents = run_files.read_agents(run / "agents.csv")
+    agents = read_agents(run / "agents.csv")
     paths = run_files.read_paths(run / "trajectories.sqlite")
 
     figure, axes = top_view.new_map(scene, right=0.25, above=1.05, below=1.1)

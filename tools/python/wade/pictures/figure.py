@@ -18,10 +18,12 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from wade import plain_file
 from wade.pictures import top_view
-from wade.pictures.run_files import ENDINGS, RunError, check_time, read_agents, read_json, read_paths, read_water, save_picture
+from wade.pictures.run_files import ENDINGS, RunError, check_time, read_paths, read_water, save_picture
 from wade.pictures.texts import draw_legend, draw_title, group_names, subtitle_of, title_of
 from wade.pictures.top_view import INK, OUTCOMES, PATH, STAR, far_goals
+from wade.run.outcome import read_agents
 from wade.terminal import Parser, say_error
 
 
@@ -72,8 +74,8 @@ def rows_of_groups(scene, of_film=False):
 def draw(run, time, output, width_px=None):
     if time is not None:
         check_time(run, time)
-    manifest = read_json(run / "manifest.json")
-    outcome = read_json(run / "outcome.json")
+    manifest = plain_file.read_json(run / "manifest.json")
+    outcome = plain_file.read_json(run / "outcome.json")
     scene = manifest["resolved_scene"]
     whole_run = time is None
     paths = read_paths(run / "trajectories.sqlite", np.inf if whole_run else time)
@@ -132,7 +134,7 @@ def wait_until_told(run):
         if not warm and manifest.exists():
             warm = True
             with contextlib.suppress(Exception):  # what is wrong with the scene shows in the picture itself
-                warm_up(read_json(manifest)["resolved_scene"])
+                warm_up(plain_file.read_json(manifest)["resolved_scene"])
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return bool(sys.stdin.readline())
 

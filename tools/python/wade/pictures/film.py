@@ -22,9 +22,10 @@ from wade.outside import require
 from wade.pictures import top_view
 from wade.pictures.figure import add_legend, rows_of_groups
 from wade.pictures.render import triple
-from wade.pictures.run_files import RunError, read_agents, water_snapshots
+from wade.pictures.run_files import RunError, water_snapshots
 from wade.pictures.texts import GREY, draw_title, plain, title_of
 from wade.reports.files import whole_file, write_whole
+from wade.run.outcome import read_agents
 from wade.run.processes import end_with_parent
 from wade.states import CODES, LOST, SAFE
 from wade.terminal import Parser, say_error

@@ -6,6 +6,7 @@ The maps: largest depth, speed and depth times speed, time of arrival of the wat
 """
 
 import math
+import os
 import pathlib
 
 import matplotlib.pyplot as plt
@@ -13,8 +14,8 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
-from PIL import Image
 
+from wade import plain_file
 from wade.pictures import run_files, top_view
 from wade.pictures.figure import write
 from wade.pictures.texts import draw_legend, draw_title, plain
@@ -38,17 +39,6 @@ MAPS = {
         (0.001, DANGER[0], "low, < 0.75"), (0.75, DANGER[1], "danger for some, < 1.25"),
         (1.25, DANGER[2], "for most, < 2"), (2, DANGER[3], "for all, ≥ 2"))),
 }
-
-
-def read_map(path):
-    """Values of a map that the run has written, the southern row first, and the size of a cell along x and z, m."""
-    Image.MAX_IMAGE_PIXELS = None
-    try:
-        with Image.open(path) as image:
-            scale = image.tag_v2[33550]
-            return np.asarray(image, dtype=float)[::-1], scale[0], scale[1]
-    except (OSError, KeyError) as error:
-        raise run_files.RunError(f"cannot read '{path}': {error}") from error
 
 
 def round_length(longest):
@@ -104,8 +94,8 @@ def draw_values(figure, axes, extent, name, values, unit):
 
 def draw(run, name, output):
     path = run / "maps" / f"{name}.tif"
-    values, dx, dz = read_map(path)
-    scene = run_files.read_json(run / "manifest.json")["resolved_scene"]
+    values, dx, dz = run_files.read_map(path)
+    scene = plain_file.read_json(run / "manifest.json")["resolved_scene"]
     length, width = values.shape[1] * dx, values.shape[0] * dz
     title, unit, classes = MAPS[name]
     figure, axes = top_view.new_map(scene, right=0.85, above=0.75, below=0.75 if classes else 0.6)
@@ -116,7 +106,7 @@ def draw(run, name, output):
     if not classes:
         draw_values(figure, axes, extent, name, values, unit)
     top_view.draw_obstacles(axes, scene)
-    paths = run_files.read_paths(run / "trajectories.sqlite") if (run / "trajectories.sqlite").exists() else {}
+    paths = run_files.read_paths(run / "trajectories.sqlite") if os.path.lexists(run / "trajectories.sqlite") else {}
     ways = [top_view.thinned(points[:, 1:3]) for points in paths.values()]
     fine = 1 if len(ways) <= 100 else 0.4  # the water must be seen below the paths of many
     for colour, line_width in (("white", 1.5), ("#3a3a40", 0.7)):

@@ -213,7 +213,7 @@ def main(arguments):
     from wade import UsageError, progress
     from wade.export.sources import scene_of
     from wade.outside import require
-    from wade.pictures.run_files import RunError, check_time
+    from wade.pictures.run_files import check_time
     from wade.reports.files import write_whole
     from wade.terminal import Parser, say_error
 
@@ -236,10 +236,7 @@ def main(arguments):
         parser.error(f"--out: {output}, allowed are names that end in .png")
     scene_of(options.run)
     progress.at("reads the run and makes the water's surface")
-    try:
-        check_time(options.run, options.time)
-    except RunError as error:
-        raise UsageError(str(error)) from error
+    check_time(options.run, options.time)
     require("blender", "renderings need Blender; Debian: apt-get install blender")
     with tempfile.TemporaryDirectory(prefix="wade-render-") as folder:
         arrays, picture = pathlib.Path(folder, "job.npz"), pathlib.Path(folder, "picture.png")

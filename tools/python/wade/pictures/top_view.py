@@ -1,8 +1,7 @@
 """The layers of the top view of a run: ground, water, stream, obstacles, paths, goals."""
 
-import json
 import math
-import pathlib
+import os
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -11,6 +10,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Circle, Rectangle
 from matplotlib.patheffects import withStroke
 
+from wade import plain_file
 from wade.states import CODES, IN_HOUSES, STATES
 
 GROUND = "#f1ece1"
@@ -232,13 +232,16 @@ def polygons_of(scene, kind):
     for one in place.get(kind, []):
         if one.get("polygon"):
             polygons.append(np.array(one["polygon"]))
-        if not one.get("file") or not pathlib.Path(one["file"]).exists():
+        if not one.get("file") or not os.path.exists(one["file"]):
             continue
-        document = json.loads(pathlib.Path(one["file"]).read_text(encoding="utf-8"))
-        for feature in document.get("features", [document]):
-            geometry = feature.get("geometry", feature) or {}
-            if geometry.get("type") in ("Polygon", "MultiPolygon"):
-                polygons += [ring - origin for ring in rings_of(geometry)]
+        document = plain_file.read_json(one["file"])
+        try:
+            for feature in document.get("features", [document]):
+                geometry = feature.get("geometry", feature) or {}
+                if geometry.get("type") in ("Polygon", "MultiPolygon"):
+                    polygons += [ring - origin for ring in rings_of(geometry)]
+        except (AttributeError, TypeError, ValueError) as error:
+            raise plain_file.FileError(one["file"], "it is no GeoJSON of polygons") from error
     return polygons
 
 

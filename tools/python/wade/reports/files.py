@@ -3,6 +3,7 @@
 import contextlib
 import os
 import re
+import secrets
 import shutil
 import sys
 
@@ -17,7 +18,7 @@ PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+\.png)\)")
 def whole_file(file):
     """Gives a name beside the file to write under. The file appears by a rename at the end; an error leaves no part of it."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f".{file.stem}-{os.getpid()}{file.suffix}")
+    part = file.with_name(f".{file.stem}-{secrets.token_hex(6)}{file.suffix}")  # so that nobody can have made it before
     try:
         yield part
         to_disk(part)
@@ -30,7 +31,7 @@ def whole_file(file):
 def whole_folder(folder):
     """Gives a folder to write files in. They move to `folder` at the end; an error leaves none of them there."""
     folder.mkdir(parents=True, exist_ok=True)
-    part = folder / f".part-{os.getpid()}"
+    part = folder / f".part-{secrets.token_hex(6)}"
     part.mkdir()
     try:
         yield part

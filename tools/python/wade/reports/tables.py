@@ -7,6 +7,7 @@ import textwrap
 
 from tabulate import tabulate
 
+from wade import plain_file
 from wade.reports.files import write_whole
 
 
@@ -81,7 +82,4 @@ def write_csv(file, columns, rows):
     write_whole(file, text.getvalue())
 
 
-def read_csv(file):
-    """Rows as dictionaries; lines that begin with # are notes."""
-    with open(file, newline="", encoding="utf-8") as lines:
-        return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+read_csv = plain_file.read_table

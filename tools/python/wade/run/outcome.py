@@ -1,7 +1,12 @@
 """What a run, or many crowds in one water, came to: read from the run folder and put in words."""
 
-import csv
-import json
+import math
+import os
+
+from wade import plain_file
+from wade.states import CODES
+
+MOST_PEOPLE = 10_000_000  # of a run
 
 
 def state_of(path):
@@ -45,8 +50,8 @@ class BeforeRun:
 def summary(folder):
     """The outcome in words, from outcome.json; empty if there is none."""
     try:
-        outcome = json.loads((folder / "outcome.json").read_text())
-    except (OSError, ValueError):
+        outcome = plain_file.read_json(folder / "outcome.json")
+    except plain_file.FileError:
         return []
     last = outcome["last_arrival_s"]
     arrival = f", the last after {last:.1f} s" if last is not None else ""
@@ -67,9 +72,8 @@ def summary(folder):
 def crowds_of(folder):
     """The rows of crowds.csv; empty if there is none."""
     try:
-        with open(folder / "crowds.csv", newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-    except OSError:
+        return plain_file.read_table(folder / "crowds.csv")
+    except plain_file.FileError:
         return []
 
 
@@ -83,6 +87,34 @@ def crowds_summary(folder):
 
 def has_frames(folder):
     try:
-        return json.loads((folder / "outcome.json").read_text())["frames"] > 0
-    except (OSError, ValueError, KeyError):
+        return plain_file.read_json(folder / "outcome.json")["frames"] > 0
+    except plain_file.FileError:
         return False
+
+
+def read_agents(path):
+    """Rows of agents.csv, whose numbers and ends are checked; none if the run ended before it was written."""
+    if not os.path.lexists(path):
+        return []
+    rows = plain_file.read_table(path)
+    for row in rows:
+        try:
+            numbers = [float(row[name]) for name in ("time_s", "x_m", "z_m", "height_m") if row.get(name)]
+            sound = 0 <= int(row["id"]) < MOST_PEOPLE and all(map(math.isfinite, numbers))
+        except ValueError:
+            sound = False
+        if not sound or row["outcome"] not in (*CODES, "active"):
+            raise plain_file.FileError(path, f"the row of person {row['id'][:20]} is damaged")
+    return rows
+
+
+def path_rate(database, path):
+    """Frames a second of the table of paths."""
+    row = database.execute("SELECT value FROM metadata WHERE key = 'fps'").fetchone()
+    try:
+        rate = float(row[0])
+    except (TypeError, ValueError):
+        rate = 0
+    if not 0 < rate < 1e9:
+        raise plain_file.FileError(path, "it has no number of frames a second")
+    return rate

@@ -16,9 +16,10 @@ import time
 from pathlib import Path
 
 from wade.building import PICTURES, cached, is_built
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.outside import fault_of
 from wade.paths import BUILD, module_command
+from wade.reports.files import write_whole
 from wade.run.arguments import asks_for_help, help_text, is_given, split_arguments, suit_to_latest, values_of
 from wade.run.folders import new_folder
 from wade.run.outcome import BeforeRun, crowds_summary, has_frames, state_of, summary
@@ -84,11 +85,13 @@ def check_files(scene, own, arguments):
                "--replay": "a recording"}
     for name, files in named.items():
         for file in files:
-            if not os.access(file, os.R_OK) or Path(file).is_dir():
-                raise UsageError(f"{name}: {file} cannot be read; allowed: {allowed[name]}")
+            try:
+                plain_file.open_plain(file).close()
+            except plain_file.FileError as error:
+                raise UsageError(f"{name}: {file} cannot be read: {error.strerror}; allowed: {allowed[name]}") from error
     try:
         if scene.is_file():
-            json.loads(without_comments(scene.read_text(encoding="utf-8-sig")))
+            json.loads(without_comments(plain_file.read_text(scene).removeprefix("\ufeff")))
     except json.JSONDecodeError as error:
         raise UsageError(f"{scene}: not valid JSON at line {error.lineno}, column {error.colno}: {error.msg}") from error
     except OSError as error:
@@ -206,7 +209,7 @@ def start_viewer(run, folder, session):
     if not given:
         run.arguments["crowd_client"] += ["--commands", str(fifo)]
     scene = folder / ".scene.json"
-    scene.write_text(json.dumps(run.resolved), encoding="utf-8")
+    write_whole(scene, json.dumps(run.resolved))
     server = Server("--run", folder, "--session", session, "--scene", scene, "--commands", fifo, "--starts",
                     port=run.own.get("--view-port", 0), folder=folder)
     if server.address:
@@ -251,7 +254,7 @@ def start_all(run, pair, folder, session):
 
     def start_logged(name, command, log_name):
         log = folder / log_name
-        with open(log, "w", encoding="utf-8") as file:
+        with plain_file.create(log) as file:
             try:
                 started[name] = pair.start(command, stdout=file, stderr=file), log
             except OSError as error:

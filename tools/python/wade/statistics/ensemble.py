@@ -3,7 +3,7 @@
 Only runs that are complete count; each scene with its settings is a case of its own.
 """
 
-import csv
+import errno
 import json
 import os
 from collections import Counter
@@ -12,10 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from wade import UsageError, progress
-from wade.ensembles.folder import EnsembleFolder, has_all_agents
+from wade import UsageError, plain_file, progress
+from wade.ensembles.folder import EnsembleFolder, fault_of_agents
 from wade.ensembles.plan import read_plan
-from wade.reports.tables import read_csv
 from wade.states import ENDS, IN_HOUSES, end_of, kind_of
 
 SWEPT_AWAY = "swept away"  # kind: over the fall, or out with the water
@@ -63,7 +62,7 @@ class Case:
         return [run.seed for run in self.runs]
 
     def manifest(self):
-        return json.loads((self.runs[0].folder / "manifest.json").read_text(encoding="utf-8"))
+        return plain_file.read_json(self.runs[0].folder / "manifest.json")
 
     def counts(self, chosen):
         """How many people of each run are chosen, an array of truth values over people."""
@@ -82,9 +81,10 @@ class Ensemble:
 def planned(folder):
     """[(run folder, scene, settings, seed, why it does not count)] of an ensemble's plan; None without one."""
     ensemble = EnsembleFolder(folder)
-    if not ensemble.plan.exists():
+    if not os.path.lexists(ensemble.plan):
         return None
-    stale = {row["index"] for row in read_csv(ensemble.table) if row["status"] == "stale"} if ensemble.table.exists() else ()
+    rows = plain_file.read_table(ensemble.table) if os.path.lexists(ensemble.table) else ()
+    stale = {row["index"] for row in rows if row["status"] == "stale"}
     return [(ensemble.run(run.index), run.scene, run.settings, run.seed, "stale" if str(run.index) in stale else "")
             for run in read_plan(ensemble.plan)]
 
@@ -97,7 +97,7 @@ def found(folder):
         real = os.path.realpath(path)
         if real in seen:  # a link that leads round
             inner.clear()
-        elif "outcome.json" in files:
+        elif "outcome.json" in (*files, *inner):
             folders.append(Path(path))
         seen.add(real)
     return [(run, None, {}, None, "") for run in sorted(folders)]
@@ -106,32 +106,30 @@ def found(folder):
 def read_outcome(folder, seed=None):
     """(outcome or None, why it does not count) of a run; seed: that of the plan."""
     try:
-        outcome = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
-    except OSError:
-        return None, "not run"
-    except ValueError:
-        return None, "outcome.json cut off"
+        outcome = plain_file.read_json(folder / "outcome.json")
+    except plain_file.FileError as error:
+        return None, "not run" if error.errno == errno.ENOENT else f"outcome.json: {error.strerror}"
     if outcome.get("status") != "completed":
         return None, str(outcome.get("status"))
     if seed not in (None, outcome["seed"]):
         return None, "of another seed"
-    if not has_all_agents(folder, outcome):
-        return None, "agents.csv cut off"
+    if fault := fault_of_agents(folder, outcome):
+        return None, fault
     return outcome, ""
 
 
 def read_people(file, words):
     """The columns of an agents.csv as arrays, with `fate`, `dead`, `safe`, `indoors`; words: each text, once."""
-    with open(file, newline="", encoding="utf-8") as text:
-        rows = csv.reader(text)
-        head = next(rows, [])
-        columns = {**dict.fromkeys(head, ()), **dict(zip(head, zip(*rows)))}
+    columns = plain_file.read_columns(file)
     missing = [name for name in (*NUMBERS, *TEXTS) if name not in (*columns, *OLDER)]
     if missing:
         raise UsageError(f"{file}: no column {missing[0]}")
     count = len(columns["state"])
     nothing = ("",) * count
-    people = {name: np.array([float(one) if one else np.nan for one in columns.get(name, nothing)]) for name in NUMBERS}
+    try:
+        people = {name: np.array([float(one) if one else np.nan for one in columns.get(name, nothing)]) for name in NUMBERS}
+    except ValueError as error:
+        raise plain_file.FileError(file, str(error)) from error
     for name in TEXTS:
         people[name] = np.array([words.setdefault(one, one) for one in columns.get(name, nothing)], dtype=object)
     people["fate"] = np.array([kind_of(state) for state in people["state"]], dtype=object)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from wade import UsageError
-from wade.reports.files import say, write_whole
+from wade import UsageError, plain_file
+from wade.reports.files import complain, say, write_whole
 from wade.reports.tables import listed
 from wade.statistics import drifts, losses
 from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet, having,
@@ -81,7 +81,7 @@ def text(words):
 
 def picture(file, words):
     """An image with its bytes inside."""
-    data = base64.b64encode(file.read_bytes()).decode()
+    data = base64.b64encode(plain_file.read_bytes(file)).decode()
     return f'<figure style="margin:0"><img alt="{text(words)}" src="data:image/png;base64,{data}"></figure>'
 
 
@@ -301,7 +301,6 @@ def stays_in_words(case):
 def draw_all(case, folder):
     """The pictures of a case, {name: file or None}."""
     from wade.pictures.figure import draw as draw_run
-    from wade.pictures.run_files import RunError
     from wade.statistics.figures import draw_curves
     from wade.statistics.victims import draw as draw_map
     from wade.statistics.victims import sought
@@ -315,8 +314,8 @@ def draw_all(case, folder):
         try:
             draw_run(with_paths.folder, None, folder / "run.png", 1200)
             files["run"] = folder / "run.png", with_paths.seed
-        except (RunError, OSError, KeyError):
-            pass
+        except (OSError, KeyError) as error:
+            complain(f"wade report: no picture of a run: {error}")
     scene = case.manifest()["resolved_scene"]
     x, z, _, _, over = sought(case)
     if len(x):

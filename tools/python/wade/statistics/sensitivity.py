@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wade import UsageError, progress
+from wade import UsageError, plain_file, progress
 from wade.ensembles.plan import scene_name
 from wade.many import seed_range
 from wade.reports.files import say, write_whole
@@ -79,9 +79,9 @@ def spread(pointer, scene):
 def read_inputs(file, scene, only=()):
     """The inputs of a file that apply to a scene; UsageError names what is wrong."""
     try:
-        entries = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"--inputs {file}: {error}") from error
+        entries = plain_file.read_json(file, list)
+    except plain_file.FileError as error:
+        raise UsageError(f"--inputs {file}: {error.strerror}") from error
     for place, entry in enumerate(entries):
         missing = [key for key in NEEDED if key not in entry]
         if missing:
@@ -232,10 +232,7 @@ def page(design, result, rows, found):
 def analyse(options):
     """sensitivity.md, .csv, .png of a folder whose runs are there."""
     folder = Path(options.target)
-    try:
-        design = json.loads((folder / DESIGN).read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"{folder / DESIGN}: {error}") from error
+    design = plain_file.read_json(folder / DESIGN)
     results, missing = results_of(folder, design, options.result)
     if missing:
         say(f"{missing} runs are missing; tools/wade many {folder / PLAN} --out {folder} goes on")

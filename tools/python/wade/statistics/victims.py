@@ -5,14 +5,15 @@ Writes victims.png, victims.csv (the squares) and victims.md. The missing are ca
 pinned when a run ends. --drift-s lets the bodies go on with the water of the end.
 """
 
+import os
 from pathlib import Path
 
 import numpy as np
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0
-from wade.reports.tables import document, markdown, read_csv, section, write_csv
+from wade.reports.tables import document, markdown, section, write_csv
 from wade.statistics.ensemble import SWEPT_AWAY, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, drift, search_order, start_drift
 from wade.states import MISSING
@@ -53,11 +54,11 @@ def _felt(folder):
     """[(x, z, depth, stream along x and z)] where people felt water in the second half of a run."""
     from wade.pictures.run_files import read_paths
 
-    if not (folder / "trajectories.sqlite").exists():
+    if not os.path.lexists(folder / "trajectories.sqlite"):
         return
-    paths, rows = read_paths(folder / "trajectories.sqlite"), read_csv(folder / "terms.csv")
-    half = max((float(row["time_s"]) for row in rows), default=0) / 2
-    for row in rows:
+    paths, terms = read_paths(folder / "trajectories.sqlite"), folder / "terms.csv"
+    half = max((float(row["time_s"]) for row in plain_file.table_rows(terms)), default=0) / 2
+    for row in plain_file.table_rows(terms):
         time = float(row["time_s"])
         path = paths.get(int(row["id"]))
         if time >= half and row["depth_m"] and path is not None:

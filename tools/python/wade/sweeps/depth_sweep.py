@@ -12,6 +12,7 @@ import collections
 import csv
 import json
 import math
+import os
 import shutil
 import subprocess
 from pathlib import Path
@@ -19,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.ticker import PercentFormatter
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.many import seed_range
 from wade.paths import CONFIGS, RUNS, module_command
 from wade.reports.files import say
@@ -74,8 +75,8 @@ def run_water(options, depth, speed, crowds):
 
 
 def row_of(folder, depth, speed, tau, seed):
-    outcome = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
-    commit = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["git_hash"]
+    outcome = plain_file.read_json(folder / "outcome.json")
+    commit = plain_file.read_json(folder / "manifest.json")["git_hash"]
     met = collections.Counter(agent["danger_level"] for agent in read_csv(folder / "agents.csv"))
     level_met, count = met.most_common(1)[0]
     product = rounded(depth * speed)
@@ -87,14 +88,13 @@ def row_of(folder, depth, speed, tau, seed):
 
 
 def read_table(path):
-    if not path.exists():
+    if not os.path.lexists(path):
         return []
-    with path.open(newline="", encoding="utf-8") as file:
-        table = csv.DictReader(file)
-        if tuple(table.fieldnames or COLUMNS) != COLUMNS:
-            raise TableError(f"{path}: its columns are {','.join(table.fieldnames)}, expected are {','.join(COLUMNS)}; take it"
-                             " away, or write to another folder")
-        return [row for row in table if None not in row.values()]
+    columns = plain_file.read_columns(path, grows=True)
+    if tuple(columns or COLUMNS) != COLUMNS:
+        raise TableError(f"{path}: its columns are {','.join(columns)}, expected are {','.join(COLUMNS)}; take it"
+                         " away, or write to another folder")
+    return [dict(zip(columns, row)) for row in zip(*columns.values())]
 
 
 def rows_to_go_on_with(path, until_s):

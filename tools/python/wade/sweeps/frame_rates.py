@@ -12,7 +12,7 @@ import statistics
 import subprocess
 from pathlib import Path
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.many import label
 from wade.paths import RUNS, module_command
 from wade.reports.files import say, write_whole
@@ -177,7 +177,7 @@ def run(name, rate, scene, options):
                "--crowds", out / "crowds.json", *rate_options(rate, options), "--no-trajectories", "--water-every-s", "0",
                "--reproducible", "--threads", str(options.threads),
                "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
-    with open(out / "run.log", "w", encoding="utf-8") as log:
+    with plain_file.create(out / "run.log") as log:
         if subprocess.run(command, stdout=log, stderr=log).returncode != 0:
             say_error(f"wade frame-rates: {name} at {rate} Hz failed, see {out / 'run.log'}")
             return None
@@ -186,7 +186,7 @@ def run(name, rate, scene, options):
 
 def figures_of(folder):
     """(arrived, time of the last arrival, mean time of the arrivals) of a crowd; times None if nobody arrived."""
-    outcome = json.loads((folder / "outcome.json").read_text())
+    outcome = plain_file.read_json(folder / "outcome.json")
     times = [float(row["time_s"]) for row in read_csv(folder / "agents.csv") if row["outcome"] == "arrived"]
     return outcome["arrived"], outcome["last_arrival_s"], statistics.fmean(times) if times else None
 

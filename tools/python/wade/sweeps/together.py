@@ -13,7 +13,7 @@ import math
 import subprocess
 from pathlib import Path
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.many import label, seed_range
 from wade.paths import RUNS, module_command
 from wade.reports.files import say
@@ -72,7 +72,7 @@ def run(name, options):
     (out / "crowds.json").write_text(json.dumps(crowds, indent=1))
     command = [*module_command("wade.run.pair"), name, "--out", out, "--crowds", out / "crowds.json", *options.common,
                "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S]
-    with open(out / "run.log", "w", encoding="utf-8") as log:
+    with plain_file.create(out / "run.log") as log:
         if subprocess.run(command, stdout=log, stderr=log).returncode != 0:
             say_error(f"wade together: {name} failed, see {out / 'run.log'}")
             return None

@@ -1,10 +1,10 @@
 """What is kept of a single run, what all runs of a case come to, and the rows of table1.csv."""
 
-import json
 import statistics
 from collections import Counter
 from itertools import accumulate
 
+from wade import plain_file
 from wade.statistics.shares import arrival_interval, bootstrap_mean
 from wade.reports.tables import read_csv
 from wade.sweeps.limits import in_words
@@ -97,8 +97,8 @@ FLUID = ("particles_max,particle_steps,solver_wall_s,mean_depth_m,mean_speed_m_s
 
 def record_of(folder):
     """(record, resolved scene) of a complete run folder."""
-    outcome = json.loads((folder / "outcome.json").read_text())
-    manifest = json.loads((folder / "manifest.json").read_text())
+    outcome = plain_file.read_json(folder / "outcome.json")
+    manifest = plain_file.read_json(folder / "manifest.json")
     agents = read_csv(folder / "agents.csv")
     record = {"commit": manifest["git_hash"]}
     record.update({key: outcome.get(key) for key in OUTCOME})

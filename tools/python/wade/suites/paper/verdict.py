@@ -1,10 +1,10 @@
 """What runs must show whatever the paper says; it decides the exit code."""
 
 import hashlib
-import sqlite3
 import struct
 from dataclasses import dataclass
 
+from wade import plain_file
 from wade.reports.tables import section
 
 DRY = ("S1", "S2", "S3")
@@ -43,13 +43,10 @@ def names_of(runs):
 def path_hash(folder):
     """Hash of every bit of the agents' rows in trajectories.sqlite."""
     digest = hashlib.sha256()
-    database = sqlite3.connect(f"file:{folder / 'trajectories.sqlite'}?mode=ro", uri=True)
-    try:
+    with plain_file.database(folder / "trajectories.sqlite") as database:
         sql = "SELECT frame, id, pos_x, pos_y, ori_x, ori_y FROM trajectory_data ORDER BY frame, id"
         for row in database.execute(sql):
             digest.update(struct.pack("<qqdddd", *row))
-    finally:
-        database.close()
     return digest.hexdigest()[:16]
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 from beside_cases import (DIVERGENCE_TOLERANCE, ERRORS, LONGEST_STEP, QUICK, SCENES, TOLERANCE, Scene, box_mesh, measured,
                           read_frames, splishsplash_scene, wade_scene)
+from wade import plain_file
 from wade.paths import BUILD, ROOT
 from wade.reports import plots
 from wade.reports.files import PUBLISHED, complain, say, write_whole
@@ -79,7 +80,7 @@ def run_engine(scene, label, program, folder):
                           env=dict(os.environ, OMP_NUM_THREADS="1"), check=False)
     if done.returncode != 0:
         raise RuntimeError(f"{scene.name}, {label}: exit code {done.returncode}: {done.stderr.strip()[-300:]}")
-    cost = json.loads((folder / "cost.json").read_text(encoding="utf-8"))
+    cost = plain_file.read_json(folder / "cost.json")
     volume = cost["particle_mass_kg"] / cost["rest_density_kg_m3"] / unit**3
     frames = read_frames(folder / "frames.bin", 1 / unit, 1 / unit)
     metrics = {name: cost[name] for name in ("mean_density_error", "max_density_error")}

@@ -10,6 +10,7 @@ import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from wade import plain_file
 from wade.paths import ROOT
 from wade.reports.files import complain, say, write_whole
 from wade.reports.jobs import read_result
@@ -85,7 +86,7 @@ class Runner:
             error = f"took longer than {self.time_limit:g} s of wall time (--time-limit)"
             return {"status": "failed", "error": error, "gave_up_after_s": self.time_limit}, True
         for written in sorted((folder / "runs").glob(f"{setting.case}-*.json")):
-            return json.loads(written.read_text()), True
+            return plain_file.read_json(written), True
         if answer.returncode == 2:  # the program does not take this scene or this setting
             return {"status": "failed", "error": answer.stderr.strip()[-300:], "refused": True}, True
         error = f"`validate` ended with exit code {answer.returncode}: {answer.stderr.strip()[-300:]}"

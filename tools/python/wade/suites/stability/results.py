@@ -4,6 +4,7 @@ stability.csv, the sweeps, the summary.
 
 from dataclasses import dataclass
 
+from wade import plain_file
 from wade.reports.files import say
 from wade.reports.options import patterns_of
 from wade.reports.tables import write_csv
@@ -90,7 +91,7 @@ class KnownFailure:
 
 
 def read_known_failures(file):
-    lines = file.read_text(encoding="utf-8").splitlines()[1:]
+    lines = plain_file.read_text(file).splitlines()[1:]
     rows = [line.split(",", 4) for line in lines if line]
     return [KnownFailure(row[0], row[1], row[2], float(row[3])) for row in rows]
 

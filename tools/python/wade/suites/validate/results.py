@@ -2,6 +2,7 @@
 
 import math
 
+from wade import plain_file
 from wade.reports.files import say
 from wade.reports.jobs import read_result
 from wade.reports.tables import write_csv
@@ -12,7 +13,7 @@ COLUMNS = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_
 
 def split_table(file):
     """Rows of a table whose last field may hold commas."""
-    lines = file.read_text(encoding="utf-8").splitlines()
+    lines = plain_file.read_text(file).splitlines()
     names = lines[0].split(",")
     return [dict(zip(names, line.split(",", len(names) - 1))) for line in lines[1:] if line]
 
