@@ -15,8 +15,9 @@ class Lines(unittest.TestCase):
         return state.line("export", now, 0.0)
 
     def test_say_what_is_done_how_far_it_is_and_how_long_it_takes(self):
-        self.assertEqual(self.line(50, 200), "wade export: writes the frames, 25 %, about 60 s left, 30 s so far")
-        self.assertEqual(self.line(0, 200), "wade export: writes the frames, 0 %, 30 s so far")
+        self.assertEqual(self.line(50, 200), "wade export: writes the frames, 50 of 200, about 60 s left, 30 s so far")
+        self.assertEqual(self.line(0, 200), "wade export: writes the frames, 0 of 200, 30 s so far")
+        self.assertEqual(self.line(2.5, 10.0), "wade export: writes the frames, 25 %, about 60 s left, 30 s so far")
         self.assertEqual(self.line(7, None), "wade export: writes the frames 7, 30 s so far")
         self.assertEqual(self.line(7, float("inf")), "wade export: writes the frames 7, 30 s so far")
         self.assertEqual(self.line(0, None, now=7500), "wade export: writes the frames, 2.1 h so far")
@@ -43,7 +44,7 @@ class Telling(unittest.TestCase):
 
     def test_a_log_gets_lines_that_become_rarer(self):
         few, many = self.told(3), self.told(100)
-        self.assertTrue(few[0].startswith("wade table: reads the runs, 25 %"))
+        self.assertTrue(few[0].startswith("wade table: reads the runs, 1 of 4"))
         self.assertLess(len(many), 50)
 
     def test_a_quick_command_says_nothing(self):

@@ -18,7 +18,8 @@ def duration(seconds):
 
 
 class State:
-    """What is being done: `what` in words, `done` of `total` (None: not known) since `began`; last: when something was printed.
+    """What is being done: `what` in words, `done` of `total` (None: not known; whole numbers are shown as such) since `began`;
+    last: when something was printed.
 
     is_shown: a terminal shows the line of progress, which what is printed next replaces.
     """
@@ -31,7 +32,8 @@ class State:
         """What is told."""
         text = f"wade {command}: {self.what or 'at work'}"
         if self.total and self.total < float("inf"):
-            text += f", {min(100, 100 * self.done / self.total):.0f} %"
+            counts = isinstance(self.done, int) and isinstance(self.total, int)
+            text += f", {self.done} of {self.total}" if counts else f", {min(100, 100 * self.done / self.total):.0f} %"
             if self.done > 0:
                 text += f", about {duration((now - self.began) * max(0, self.total / self.done - 1))} left"
         elif self.done:

@@ -1,9 +1,13 @@
 """Measures and verdicts of `wade converge`; runs nothing."""
 
 import argparse
+import tempfile
 import unittest
+from pathlib import Path
+from unittest import mock
 
-from wade.suites.converge import COLUMNS, compared, measures_of, people_verdict, report, settings_of, verdict
+from wade import progress
+from wade.suites.converge import COLUMNS, compared, measures_of, people_verdict, report, settings_of, tell_how_far, verdict
 from wade.suites.converge.cases import CASES, WALKING, Case, rates
 
 
@@ -74,6 +78,15 @@ class Table(unittest.TestCase):
             for factor in case.factors:
                 values = (factor.reference, *factor.values)
                 self.assertGreaterEqual(max(values) / min(values), 4, (case.name, factor.name))
+
+
+class Progress(unittest.TestCase):
+    def test_the_log_of_the_runs_tells_how_many_have_ended(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder, "door.log")
+            log.write_text("[1/40]\n[3/40] 00003, 2 min left\nt 5 s\n")
+            tell_how_far(mock.Mock(poll=mock.Mock(side_effect=[None, 0])), log, "door")
+        self.assertEqual((progress.STATE.what, progress.STATE.done, progress.STATE.total), ("runs door", 3, 40))
 
 
 if __name__ == "__main__":

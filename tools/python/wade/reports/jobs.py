@@ -3,7 +3,6 @@ program or its inputs have changed, not if a commit has.
 """
 
 import hashlib
-import json
 import os
 import re
 import signal
@@ -14,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from wade import plain_file, progress
 from wade.reports.files import complain, say
 
 class Ended(KeyboardInterrupt):
@@ -65,8 +65,8 @@ class Job:
 def read_result(file):
     """A complete result, or None."""
     try:
-        return json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return plain_file.read_json(file)
+    except plain_file.FileError:
         return None
 
 
@@ -86,7 +86,7 @@ class Children:
             if self.stopped:
                 return None
             job.result.unlink(missing_ok=True)
-            with open(job.log, "w", encoding="utf-8") as log:
+            with plain_file.create(job.log) as log:
                 process = subprocess.Popen(list(map(str, job.command)), stdout=log, stderr=subprocess.STDOUT,
                                            env={**os.environ, **environment})
             self.running.add(process)
@@ -110,7 +110,7 @@ def do(job, children):
         return f"{job.name}: not started"
     if code in job.fine:
         return f"{job.name}: done in {time.monotonic() - began:.1f} s"
-    lines = job.log.read_text("utf-8", "backslashreplace").splitlines()
+    lines = plain_file.read_text(job.log, "backslashreplace").splitlines()
     messages = [line for line in lines if line.startswith(f"{Path(job.command[0]).name}: ")]
     return f"{job.name}: exit code {code}; {(messages or lines or ['no message'])[-1]}"
 
@@ -124,7 +124,8 @@ def do_all(jobs, side_by_side, again=False):
     children = Children()
     with ThreadPoolExecutor(side_by_side) as pool:
         try:
-            for future in [pool.submit(do, job, children) for job in due]:
+            futures = [pool.submit(do, job, children) for job in due]
+            for future in progress.over(futures, f"runs {len(due)} cases"):
                 say(future.result())
         except KeyboardInterrupt as interrupt:
             children.stop()

@@ -9,6 +9,7 @@ bed, error against Ritter and CPU time beside DFSPH. All of them take about ten 
 import math
 import subprocess
 
+from wade import progress
 from wade.paths import BUILD
 from wade.reports import options
 from wade.reports.files import publish, say, write_whole
@@ -143,9 +144,10 @@ def main(arguments):
     if not chosen.report_only:
         parts = chosen.parts or (["rest", "dam"] if chosen.quick else [])
         program = next(BUILD.rglob("steering_map"))
-        code = subprocess.run([program, chosen.out, *parts]).returncode
-        if code != 0:
-            return code
+        for part in progress.over(parts or PARTS, "measures the parts"):
+            code = subprocess.run([program, chosen.out, part]).returncode
+            if code != 0:
+                return code
     write(chosen.out)
     say(f"report: {chosen.out / 'report.md'}, table: {chosen.out / 'steering.csv'}")
     if chosen.publish:

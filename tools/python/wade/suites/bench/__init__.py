@@ -18,6 +18,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from wade import progress
 from wade.paths import BUILD
 from wade.reports import options
 from wade.reports.files import complain, publish, say
@@ -91,10 +92,10 @@ def run_program(program, chosen, takes_all):
 def measure(chosen):
     """All results that are wanted, and whether all went well."""
     results, well = [], True
-    for name, prefixes, takes_all in PROGRAMS:
-        program = BUILD / "tests" / "bench" / name
-        if not program.exists() or not any(may_match(prefix, chosen.only) for prefix in prefixes):
-            continue
+    wanted = [(BUILD / "tests" / "bench" / name, takes_all) for name, prefixes, takes_all in PROGRAMS
+              if any(may_match(prefix, chosen.only) for prefix in prefixes)]
+    for program, takes_all in progress.over([one for one in wanted if one[0].exists()], "runs the programs of benchmarks"):
+        name = program.name
         say(f"\n== {name}")
         try:
             results += [r for r in run_program(program, chosen, takes_all) if r["name"].startswith(chosen.only)]

@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from statistics import median
 
+from wade import plain_file, progress
 from wade.paths import ROOT, module_command
 from wade.reports.files import complain
 
@@ -132,7 +133,7 @@ def one_run(scene, until, threads, options):
                               text=True)
         if done.returncode != 0:
             raise RuntimeError(f"{path.name} ended with exit code {done.returncode}: {done.stderr.strip()}")
-        return json.loads((Path(folder) / "run" / "outcome.json").read_text(encoding="utf-8"))
+        return plain_file.read_json(Path(folder) / "run" / "outcome.json")
 
 
 def result_of(name, threads, outcomes):
@@ -184,9 +185,8 @@ def measure(only, quick, threads):
     for name, pairs, programs in SHARED:
         if name.startswith(only) and threads is None and not quick:
             results.append(shared_result(name, pairs, programs))
-    for name, scene, until, rounds, options in RUNS:
-        if not name.startswith(only) or (quick and name not in QUICK):
-            continue
+    chosen = [one for one in RUNS if one[0].startswith(only) and not (quick and one[0] not in QUICK)]
+    for name, scene, until, rounds, options in progress.over(chosen, "measures whole runs"):
         counts = [threads] if threads else [os.cpu_count()] if quick else sorted({1, os.cpu_count()})
         for count in counts:
             try:

@@ -15,6 +15,7 @@ What is complete is not run again, so that the suite goes on where it was interr
 Exit code 1: a share or a time is different without a warning.
 """
 
+import contextlib
 import json
 import re
 import shlex
@@ -24,7 +25,7 @@ import subprocess
 import sys
 import time
 
-from wade import UsageError
+from wade import UsageError, plain_file, progress
 from wade.ensembles.plan import PlannedRun, plan_text
 from wade.many import seed_range
 from wade.paths import BUILD, CONFIGS, module_command
@@ -127,6 +128,19 @@ def run(case, stages, options):
     return found
 
 
+def tell_how_far(many, log, name):
+    """Tells how many runs have ended, as tools/wade many writes it into its log, until it ends."""
+    while many.poll() is None:
+        done, total = (re.findall(r"^\[(\d+)/(\d+)\]", plain_file.read_text(log, "replace"), re.MULTILINE) or [(0, 0)])[-1]
+        progress.at(f"runs {name}", int(done), int(total) or None)
+        try:
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                many.wait(1)
+        except KeyboardInterrupt:
+            many.terminate()
+            raise
+
+
 def run_plan(scene, settings, places, out, *words):
     """Runs each setting and seed of places, with these options; {setting: {seed: lines of agents.csv}}."""
     plan = [PlannedRun(k + 1, scene, seed, settings[key]) for k, (key, seed) in enumerate(places)]
@@ -134,8 +148,9 @@ def run_plan(scene, settings, places, out, *words):
     write_whole(file, plan_text(plan))
     command = [*module_command("wade.many"), file, "--out", out, "--resume", "--reproducible", "--", "--no-trajectories", "--water-every-s",
                "0", "--attach-timeout-s", PATIENCE_S, "--step-timeout-s", PATIENCE_S, *words]
-    with open(out.with_suffix(".log"), "w", encoding="utf-8") as log:
-        subprocess.run(command, stdout=log, stderr=log, check=False)
+    log = out.with_suffix(".log")
+    with plain_file.create(log) as said, subprocess.Popen(command, stdout=said, stderr=said) as many:
+        tell_how_far(many, log, out.name)
     table = out / "runs.csv"
     complete = {int(row["index"]) for row in read_csv(table) if row["status"] == "completed"} if table.is_file() else set()
     found = {}

@@ -9,6 +9,7 @@ solver take another DIR.
 
 import sys
 
+from wade import progress
 from wade.paths import ROOT
 from wade.reports import options
 from wade.reports.files import publish, say, write_whole
@@ -82,7 +83,7 @@ def main(arguments):
         return 0 if same else 1
     rows = []
     names = runs.QUICK if chosen.quick else list(runs.FINEST)
-    for name in names:
+    for name in progress.over(names, "runs the scenes"):
         rows += rows_of(name, lambda scene, overrides: runs.run(scene, overrides, chosen.out / "runs",
                                                                 only_stored=chosen.report_only))
         if rows:

@@ -9,6 +9,7 @@ import subprocess
 
 import numpy as np
 
+from wade import plain_file
 from wade.paths import BUILD, ROOT
 from wade.reports.files import complain, write_whole
 from wade.reports.tables import read_csv
@@ -70,7 +71,7 @@ def run(scene, overrides, folder, time_limit=1800.0, only_stored=False):
     name = re.sub(r"[^A-Za-z0-9_.=-]+", "-", (ROOT / scene).stem + "".join(overrides))[:100]
     file = folder / f"{name}-{hashlib.sha256(inputs).hexdigest()[:12]}.json"
     if file.exists():
-        return json.loads(file.read_text())
+        return plain_file.read_json(file)
     if only_stored:
         return None
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -83,7 +84,7 @@ def run(scene, overrides, folder, time_limit=1800.0, only_stored=False):
         document = {"error": answer.stderr.strip()[-600:], "exit_code": answer.returncode}
         write_whole(file, json.dumps(document))
         return document
-    return json.loads(file.read_text())
+    return plain_file.read_json(file)
 
 
 def choose(scene, demand):

@@ -5,6 +5,7 @@ there already is not repeated.
 import math
 from dataclasses import dataclass, field
 
+from wade import progress
 from wade.reports.tables import number, write_csv
 from wade.suites.cases import LEVELS, model_overrides
 
@@ -161,9 +162,8 @@ def run_cases(plan, models, runner):
     case has refused.
     """
     found = {}
-    for case, level in plan:
-        for model in models:
-            found[case.name, level, model] = one(case, level, model, runner, found)
+    for case, level, model in progress.over([(*place, model) for place in plan for model in models], "runs cases by models"):
+        found[case.name, level, model] = one(case, level, model, runner, found)
     return list(found.values())
 
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import time
 
+from wade import plain_file, progress
 from wade.paths import module_command
 from wade.reports.files import complain
 from wade.statistics.shares import precise_enough
@@ -61,11 +62,10 @@ class Programs:
 def is_done(folder, scene):
     """Whether the folder holds a complete run of this very scene, by programs that wrote all that the report reads."""
     try:
-        outcome = json.loads((folder / "outcome.json").read_text())
-        manifest = json.loads((folder / "manifest.json").read_text())
-        with open(folder / "agents.csv", encoding="utf-8") as agents:
-            columns = agents.readline().strip().split(",")
-    except (OSError, ValueError):
+        outcome = plain_file.read_json(folder / "outcome.json")
+        manifest = plain_file.read_json(folder / "manifest.json")
+        columns = next(plain_file.table_cells(folder / "agents.csv"))
+    except plain_file.FileError:
         return False
     newest = "worst_state" if answers_by_body(scene) else "mean_dv_m2_s"
     complete = outcome.get("status") == "completed" and newest in columns
@@ -114,6 +114,7 @@ class Ensembles:
             waters.setdefault(case.water, []).append(case)
         began = time.monotonic()
         for number, (water, cases) in enumerate(waters.items(), 1):
+            progress.at("runs the waters of the paper", number - 1, len(waters))
             complain(f"{water.key}: {number} of {len(waters)} waters, after {(time.monotonic() - began) / 60:.0f} min")
             done = dict.fromkeys(cases, 0)
             while batch := self.next_round(cases, wanted, done):
@@ -184,7 +185,7 @@ class Ensembles:
         command += ["--no-figure", "--threads", str(self.threads), *self.programs.words(water.changes)]
         command += WAITING
         complain(f"{water.key}: {len(missing)} crowds")
-        with open(self.log(water), "w", encoding="utf-8") as log:
+        with plain_file.create(self.log(water)) as log:
             process = self.pair.start(command, stdout=log, stderr=None if sys.stderr.isatty() else log)
             return self.wait_for(process, water)
 
@@ -197,7 +198,7 @@ class Ensembles:
             scene.write_text(json.dumps(self.programs.scene_of(case, seed), indent=1) + "\n", encoding="utf-8")
             command = [*module_command("wade.run.pair"), scene, "--out", folder, "--no-figure", "--water-every-s", "0"]
             command += ["--threads", str(self.threads), *WAITING]
-            with open(self.log(water), "w", encoding="utf-8") as log:
+            with plain_file.create(self.log(water)) as log:
                 code = self.wait_for(self.pair.start(command, stdout=log, stderr=log), water)
             if code != 0 or self.pair.signal:
                 return code
@@ -210,7 +211,7 @@ class Ensembles:
                 return process.wait(timeout=TOLD_EVERY_S)
             except subprocess.TimeoutExpired:
                 if not sys.stderr.isatty():
-                    said = [line for line in self.log(water).read_text(errors="replace").splitlines()
+                    said = [line for line in plain_file.read_text(self.log(water), "replace").splitlines()
                             if line[:2] == "t "]
                     complain(f"{water.key}: {said[-1] if said else 'starts'}")
 

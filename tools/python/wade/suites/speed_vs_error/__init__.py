@@ -11,6 +11,7 @@ import os
 import sys
 from dataclasses import replace
 
+from wade import progress
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import complain, publish, say
@@ -68,7 +69,8 @@ def wanted_cases(chosen, there):
 
 def sweep(runner, case, spacing, factors):
     """One factor at a time around the default, and the other models."""
-    points = [runner.run(setting) for setting in one_at_a_time(case, spacing, factors)]
+    words = f"measures {case} with {spacing:g} m"
+    points = [runner.run(setting) for setting in progress.over(list(one_at_a_time(case, spacing, factors)), words)]
     for model in OTHER_MODELS.get(case, ()):
         setting = Setting(case=case, spacing=spacing, model=model)
         runs = []
@@ -96,7 +98,8 @@ def join(runner, case, spacing, coarser, points):
     else:
         near = combinations(default_setting(case, spacing), near_front(compared(points)))
     there = {p.setting for p in points}
-    return [runner.run(s) for s in [s for s in near if s not in there] + probes(case, spacing)]
+    more = [s for s in near if s not in there] + probes(case, spacing)
+    return [runner.run(s) for s in progress.over(more, f"measures {case} with {spacing:g} m near the best")]
 
 
 def seconds_expected(points, spacing):

@@ -8,6 +8,7 @@ equations. --quick: the flume at one depth, with fewer bodies. All of it takes a
 Exit code 1: a goal is missed.
 """
 
+from wade import progress
 from wade.reports import options
 from wade.reports.files import publish, say
 from wade.reports.tables import write_csv
@@ -22,7 +23,7 @@ def run_flume(folder, constants, depths, all_bodies):
     """Rows (data, height, mass, depth, speed by the equations, speed of the flume); else of each set two bodies."""
     people = [(data, *body) for data in SETS for body in data.bodies[:: 1 if all_bodies else 5]]
     rows = []
-    for depth in depths:
+    for depth in progress.over(depths, "runs the flume, depth by depth"):
         expected = [float(calibration.critical(calibration.demands([(height, mass, depth)]), constants[data.name])[0])
                     for data, height, mass in people]
         found = flume.failures(folder / f"flume_{depth:g}", [(*constants[data.name], *body) for data, *body in people], depth,

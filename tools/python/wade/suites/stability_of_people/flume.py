@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 
+from wade import plain_file
 from wade.paths import module_command
 from wade.pictures.run_files import read_paths
 from wade.run.processes import end_with_parent
@@ -52,7 +53,7 @@ def failures(folder, people, depth, expected):
     folder.mkdir(parents=True, exist_ok=True)
     scene = folder / "flume.json"
     scene.write_text(json.dumps(scene_of(people, depth, low, high), indent=1), encoding="utf-8")
-    with open(folder / "flume.log", "w", encoding="utf-8") as log:
+    with plain_file.create(folder / "flume.log") as log:
         done = subprocess.run([*module_command("wade.run.pair"), scene, "--out", folder / "run", "--no-figure", "--threads", "1",
                                "--water-every-s", "0"], stdout=log, stderr=log, preexec_fn=end_with_parent)
     if done.returncode != 0:
