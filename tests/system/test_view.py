@@ -14,6 +14,7 @@ import socket
 import sqlite3
 import struct
 import subprocess
+import sys
 import unittest
 import unittest.mock
 import urllib.error
@@ -455,6 +456,19 @@ class Strangers(ViewTest):
         server.end()
         server.process.stdout.close()
         self.assertFalse(opener.exists())
+
+    def test_a_signal_removes_the_file_with_the_key(self):
+        folder = self.folder / "run"
+        folder.mkdir()
+        (folder / "outcome.json").write_text("{}")
+        call = (f"import sys; from pathlib import Path; from wade import view; view.install_modules = lambda: Path({str(self.modules())!r}); "
+                f"view.BUILD = Path({str(PROGRAMS)!r}); sys.exit(view.main([{str(folder)!r}, '--no-open']))")
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            program = self.start(sys.executable, "-c", call)
+            wait_until(lambda: (folder / "view.html").exists() or not program.running(), "the opener")
+            program.send(number)
+            self.assertEqual(program.wait(), 0, program.messages())
+            self.assertFalse((folder / "view.html").exists())
 
     def modules(self):
         node = self.folder / "node_modules"

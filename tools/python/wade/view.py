@@ -5,12 +5,13 @@ import contextlib
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from wade import UsageError
+from wade import UsageError, plain_file
 from wade.outside import require
 from wade.paths import BUILD, INSTALLED, ROOT, home_folder
 from wade.run.processes import end_with_parent, resolved
@@ -43,8 +44,8 @@ def wanted_version(name):
 def has_module(folder, name):
     """Whether a package is there in the version of the lock file."""
     try:
-        there = json.loads((folder / "node_modules" / name / "package.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        there = plain_file.read_json(folder / "node_modules" / name / "package.json")
+    except plain_file.FileError:
         return False
     return there["version"] == wanted_version(name)
 
@@ -122,7 +123,7 @@ class Server:
         if self.opener is None:
             return
         with contextlib.suppress(OSError):
-            if self.address in self.opener.read_text(encoding="utf-8"):
+            if self.address in plain_file.read_text(self.opener):
                 self.opener.unlink()
                 if self.opener.parent.name.startswith("wade-view-"):
                     self.opener.parent.rmdir()
@@ -147,8 +148,8 @@ def settings_for_view(resolved_scene, arguments):
 def live_session(folder):
     """Options for a run that goes on in a folder: the session of its manifest, and its FIFO of commands."""
     try:
-        session = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["session"]
-    except (OSError, ValueError, KeyError):
+        session = plain_file.read_json(folder / "manifest.json")["session"]
+    except plain_file.FileError:
         return []
     if not session or not Path(f"/dev/shm/{session}-fluid").exists():
         return []
@@ -203,6 +204,8 @@ def main(arguments):
             print(install_modules(with_tests=True))
             return 0
         words = options_for(options.target, options)
+        for number in (signal.SIGTERM, signal.SIGHUP):  # as Ctrl-C, so that the file with the key goes
+            signal.signal(number, signal.default_int_handler)
         with tempfile.TemporaryDirectory() as folder:
             if options.scene:
                 from wade.scenes import find_scene
@@ -214,10 +217,13 @@ def main(arguments):
             server = Server(*words, port=options.port, folder=options.target if is_folder else folder)
             if not server.address:
                 return server.wait()
-            print(f"viewer: {server}  (Ctrl-C ends it)", flush=True)
-            if not options.no_open and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-                webbrowser.open(server.opener.as_uri())
-            return server.wait()
+            try:
+                print(f"viewer: {server}  (Ctrl-C ends it)", flush=True)
+                if not options.no_open and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+                    webbrowser.open(server.opener.as_uri())
+                return server.wait()
+            finally:
+                server.end()
     except UsageError as error:
         say_error(f"wade view: {error}")
         return 2
