@@ -223,12 +223,22 @@ void check_rings(const MapPolygon& polygon, const std::string& label, const std:
 
 // How far corners may lie beyond the edge of the world, m [A]: of what stands on the site, and of the outline of a lake or of a kind of
 // ground, which the site only cuts.
-constexpr double reach_of_works = 1000, reach_of_areas = 1e5;
+struct Limits {
+    double reach;
+    std::size_t corners;  // of one shape [A]: no building or gate is drawn with more, and so many cost less than 0.2 s
+};
+constexpr Limits works{1000, 10'000}, areas{1e5, 100'000};
 
-// Whether a shape lies in the world, at least a part of it, and no corner far off: before any work is done on it.
-void check_in_world(const MapPolygon& polygon, const MapLine& line, double reach, const Scene& scene,
+// Whether a shape lies in the world, at least a part of it, has no corner far off and not too many: before any work is done on it.
+void check_in_world(const MapPolygon& polygon, const MapLine& line, const Limits& limits, const Scene& scene,
                     const std::string& label, const std::string& source) {
-    const double length = scene.world->length, width = scene.world->width;
+    const double length = scene.world->length, width = scene.world->width, reach = limits.reach;
+    std::size_t count = line.size();
+    for (const MapLine& ring : polygon.rings) count += ring.size();
+    if (count > limits.corners)
+        refuse_shape(source, label,
+                     "it has " + std::to_string(count) + " corners; allowed: <= " + std::to_string(limits.corners) +
+                         ". Remedy: ogr2ogr -simplify 0.1.");
     const auto check_corners = [&](const MapLine& corners) {
         for (const MapPoint& p : corners) {
             const double off = std::max({-p.x, p.x - length, -p.z, p.z - width});
@@ -252,7 +262,7 @@ void check_in_world(const MapPolygon& polygon, const MapLine& line, double reach
 }
 
 void check_house(const House& house, const Scene& scene, const std::string& source, Work& work) {
-    check_in_world(house.polygon, {}, reach_of_works, scene, house.label, source);
+    check_in_world(house.polygon, {}, works, scene, house.label, source);
     check_rings(house.polygon, house.label, source, work);
     std::size_t corners = 0;
     for (const MapLine& ring : house.polygon.rings) corners += ring.size();
@@ -309,7 +319,7 @@ bool has_ground(const Ground& ground, const MapPoint& p) {
 
 void check_source(const Source& made, const Scene& scene, const HouseFinder& houses, const std::string& source,
                   Work& work) {
-    check_in_world(made.polygon, made.line, reach_of_works, scene, made.label, source);
+    check_in_world(made.polygon, made.line, works, scene, made.label, source);
     if (made.line.empty()) check_rings(made.polygon, made.label, source, work);
     const House* roof = nullptr;
     for (const MapPoint& p : points_of(made, scene.fluid->shallow_water.cell_size)) {
@@ -324,7 +334,7 @@ void check_source(const Source& made, const Scene& scene, const HouseFinder& hou
 }
 
 void check_gauge(const Gauge& gauge, const Scene& scene, const HouseFinder& houses, const std::string& source) {
-    check_in_world({}, {gauge.at}, reach_of_works, scene, gauge.label, source);
+    check_in_world({}, {gauge.at}, works, scene, gauge.label, source);
     const House* const house = houses.at(gauge.at);
     if (!house && has_ground(scene.place->ground, gauge.at)) return;
     const std::string where = house ? "in the house " + house->label : "where the ground has no height";
@@ -388,18 +398,18 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
     if (!problems.attempt([&] { check_houses_beside(scene, source); })) return;
     const HouseFinder houses(scene);
     for (const Source& made : place.sources) problems.attempt([&] { check_source(made, scene, houses, source, work); });
-    const auto check_shape = [&](const MapPolygon& polygon, const MapLine& line, double reach,
+    const auto check_shape = [&](const MapPolygon& polygon, const MapLine& line, const Limits& limits,
                                  const std::string& label) {
         problems.attempt([&] {
-            check_in_world(polygon, line, reach, scene, label, source);
+            check_in_world(polygon, line, limits, scene, label, source);
             if (line.empty()) check_rings(polygon, label, source, work);
         });
     };
-    for (const Outlet& outlet : place.outlets) check_shape(outlet.polygon, outlet.line, reach_of_works, outlet.label);
-    for (const ManningZone& zone : place.roughness.zones) check_shape(zone.polygon, {}, reach_of_areas, zone.label);
+    for (const Outlet& outlet : place.outlets) check_shape(outlet.polygon, outlet.line, works, outlet.label);
+    for (const ManningZone& zone : place.roughness.zones) check_shape(zone.polygon, {}, areas, zone.label);
     for (const StandingWater& water : place.water)
-        if (!water.polygon.rings.empty()) check_shape(water.polygon, {}, reach_of_areas, water.label);
-    for (const Gate& gate : place.gates) check_shape({}, gate.line, reach_of_works, gate.label);
+        if (!water.polygon.rings.empty()) check_shape(water.polygon, {}, areas, water.label);
+    for (const Gate& gate : place.gates) check_shape({}, gate.line, works, gate.label);
     std::set<std::string> names;
     for (const Gauge& gauge : place.gauges) {
         problems.attempt([&] {
@@ -408,7 +418,7 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
                 refuse_shape(source, gauge.label, gauge.name + " is the name of another gauge, too. Remedy: name it.");
         });
     }
-    for (const PlaceShelter& shelter : place.shelters) check_shape(shelter.polygon, {}, reach_of_works, shelter.label);
+    for (const PlaceShelter& shelter : place.shelters) check_shape(shelter.polygon, {}, works, shelter.label);
     problems.attempt([&] { check_crowding(scene, houses, source); });
     check_starts_on_place(scene, houses, source, problems);
 }

@@ -8,6 +8,9 @@ namespace wade {
 
 namespace {
 
+// Of one list of a scene file [A].
+constexpr std::size_t most_entries = 50'000;
+
 class Reader : public Fields {
  public:
     Reader(const Json& document, const Reading& reading, const std::string& skipped)
@@ -86,6 +89,12 @@ class Reader : public Fields {
         const std::string name(key.name);
         if (!here_->contains(name)) return;
         const Json& list = (*here_)[name];
+        if (list.size() > most_entries) {  // whose reading would take more than 2 s and 200 MB
+            reading_.problems.note(reading_.source + ": " + pointer_to(pointer_, name) + ": " +
+                                   std::to_string(list.size()) + " entries; allowed: up to " +
+                                   std::to_string(most_entries) + ", more of them in a file.");
+            return;
+        }
         member.resize(list.size());
         enter(list, name, [&] {
             for (std::size_t i = 0; i < list.size(); ++i) {

@@ -53,6 +53,17 @@ TEST_CASE("holes inside the ground are counted; those that reach its edge are th
     CHECK(load_or_refusal("", ground_raster("-9999"), R"(, "world": {"length_m": 8})").empty());  // it lies beyond
 }
 
+TEST_CASE(
+    "shapes of more corners than any building has, and lists longer than a scene needs, are refused before any work") {
+    std::string corners = "[2, 2]", gates = R"({"line": [[2, 2], [2, 3]]})";
+    for (int k = 1; k <= 10'000; ++k) corners += ", [" + std::to_string(2 + 1e-4 * k) + ", 3]";
+    CHECK_THAT(load_or_refusal(R"("gates": [{"line": [)" + corners + "]}]"),
+               Contains("/place/gates/0") && Contains("it has 10001 corners; allowed: <= 10000"));
+    for (int k = 1; k <= 50'000; ++k) gates += R"(, {"line": [[2, 2], [2, 3]]})";
+    CHECK_THAT(load_or_refusal(R"("gates": [)" + gates + "]"),
+               Contains("/place/gates: 50001 entries; allowed: up to 50000"));
+}
+
 TEST_CASE("a world beyond its ground is refused") {
     CHECK_THAT(load_or_refusal("", ground_raster(), R"(, "world": {"length_m": 30})"),
                Contains("it covers x 0 to 20 m"));
