@@ -295,5 +295,7 @@ def main(arguments):
     try:
         with contextlib.nullcontext() if options.gather else locked(ensemble.folder.path):
             return carry_out(ensemble)
+    except UsageError:  # of a file that is read
+        raise
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error

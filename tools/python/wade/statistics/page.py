@@ -484,6 +484,8 @@ def main(arguments):
     out = options.out or options.folder / "report.html"
     try:
         write_whole(out, page(ensemble, comparisons_of(ensemble, against), title))
+    except UsageError:  # of a file that is read
+        raise
     except OSError as error:
         raise UsageError(f"--out: cannot write {out}: {error.strerror}") from error
     say(out)

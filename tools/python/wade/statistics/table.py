@@ -499,6 +499,8 @@ def main(arguments):
         write_csv(options.out / "losses.csv", ("case", "x_m", "z_m", "lost_a_run", "share", "runs_with_any"),
                   [(case.name, *row) for case in ensemble.cases for row in losses.by_square(case)])
         write_whole(options.out / "table.md", text)
+    except UsageError:  # of a file that is read
+        raise
     except OSError as error:
         raise UsageError(f"--out: cannot write to {options.out}: {error.strerror}") from error
     say(text)
