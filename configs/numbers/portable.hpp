@@ -1,6 +1,7 @@
 #pragma once
-// Functions with the same bits on all processors with IEEE arithmetic. Those of the C library differ between x86-64 and arm64:
-// cbrt, erfc and hypot.
+// Functions with the same bits on all processors with IEEE arithmetic. In glibc 2.36 cbrt, erf, erfc, exp2, hypot, lgamma and
+// tgamma differ between x86-64 and arm64, and so do asin, atan, atan2, expm1, log1p, sinh, cosh, tan and tanh of float. In double
+// exp, expm1, log, log1p, log2, log10, pow, fmod, remainder and the functions of angles are equal.
 
 #include <cmath>
 

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "configs/scene/interval.hpp"
 #include "configs/scene/world.hpp"
@@ -152,7 +153,7 @@ Motions motions_of(double dt, std::span<const Vector2d> wishes) {
     const double time = dt / count;
     double longest = 0;
     for (const Vector2d& w : wishes) longest = std::max(longest, w.squaredNorm());
-    return {count, time, std::min(0.5, 1 - std::exp2(-time / half_life)),
+    return {count, time, std::min(0.5, 1 - std::exp(-time / half_life * std::numbers::ln2)),
             std::sqrt(longest) / count + grow_rate * time};
 }
 

@@ -118,5 +118,15 @@ class Rooms(unittest.TestCase):
         self.assertFalse(compiles('#include "fluid_server/fluid_model.hpp"\n', flags))
 
 
+class Bits(unittest.TestCase):
+    def test_no_function_of_the_c_library_is_called_that_differs_between_processors(self):
+        unequal = re.compile(r"\b(cbrt|erfc?|exp2|hypot|lgamma|tgamma)f?\(")
+        own = Path("configs", "numbers", "portable.cpp")
+        calls = [f"{path}:{number}: {line.strip()}" for path in product() if path != own and path.parts[0] in PRODUCT
+                 for number, line in enumerate((ROOT / path).read_text().splitlines(), 1)
+                 if unequal.search(line.partition("//")[0])]
+        self.assertEqual(calls, [], "configs/numbers/portable.hpp says which ones")
+
+
 if __name__ == "__main__":
     unittest.main()
