@@ -54,6 +54,9 @@ engines   slurmctld           slurm-slurmctld      -
 engines   slurmd              slurm-slurmd         -
 engines   slurm-client        slurm                -
 engines   munge               munge                munge
+builds    g++-aarch64-linux-gnu  -                 -
+builds    qemu-user           -                    -
+builds    mmdebstrap          -                    -
 '
 # Headers for the producer in Node; a node from elsewhere often brings them along.
 node=$(readlink -f "$(command -v node || true)" || true)
@@ -82,7 +85,8 @@ argument build, pictures and tests. A run needs build and pictures, tests and wh
 too. readers are programs of others that read what Wade writes: ffmpeg makes films, the others are
 for tests, which are skipped without them. viewer: npm brings the page of tools/wade view its one
 package, chromium is for its test. engines: what tools/wade many can hand runs to, and MPI for water
-over ranks (tools/wade run --ranks). On other systems it names the packages, which you install
+over ranks (tools/wade run --ranks). builds: the cross compiler and the emulator of the test that
+arm64 has the bits of x86-64. On other systems it names the packages, which you install
 yourself:
 
 set       Debian, Ubuntu      Fedora               Homebrew
@@ -97,11 +101,11 @@ HELP
 sets=()
 for argument in "$@"; do
   case "$argument" in
-    build | pictures | tests | readers | viewer | engines) sets+=("$argument") ;;
+    build | pictures | tests | readers | viewer | engines | builds) sets+=("$argument") ;;
     -h | --help) usage; exit 0 ;;
     *)
       echo "install_dependencies.sh: unexpected \"$argument\"; allowed: build, pictures, tests, readers," >&2
-      echo "  viewer, engines" >&2
+      echo "  viewer, engines, builds" >&2
       exit 2
       ;;
   esac

@@ -17,7 +17,7 @@ Installs missing packages, builds the release preset with its tests, and runs th
 leaves out the tests with the label `long`. Its exit code is that of ctest.
 
   --all  all tests; installs a browser for the viewer, engines for tools/wade many, and readers of
-         exported files such as Blender, too
+         exported files such as Blender, and a cross compiler for arm64, too
 Other options go to ctest, for example -R unit -V. Where they choose tests (-R, -L, -LE, -I,
 --rerun-failed), long ones are not left out. As most tests wait for other processes, two run at once
 for each processor; CTEST_PARALLEL_LEVEL is another number."""
@@ -52,6 +52,8 @@ def main(arguments):
         install("readers")
         if install("engines"):  # without them their tests are skipped and say so
             look_again("MPI_CXX_HEADER_DIR")
+        install("builds")
+        os.environ["WADE_ALL"] = "1"  # a test that lacks its programs fails
     elif works("chromium", "npm"):  # the quick test of the page runs wherever it can
         os.environ.setdefault("npm_config_fetch_retries", "0")  # without a network it says so at once
         try:
