@@ -27,6 +27,7 @@ from harness import BASIN, CLIENT, PROGRAMS, ROOT, SERVER, SMALL, SystemTest
 
 from wade import cli
 from wade.outside import works
+from wade.states import STATES
 
 READERS = Path(os.environ.get("WADE_READERS", ROOT / "build" / "readers")) / "node_modules"
 TEMPORARY = tempfile.TemporaryDirectory(prefix="wade-exports-")
@@ -104,11 +105,16 @@ class ExportTest(SystemTest):
 
 class Tables(ExportTest):
     def test_csv_has_all_frames_and_ends_as_the_outcome_says(self):
-        self.export(RUN, "--water", RECORDING, "--to", "csv")
+        self.assertIn("no poses.csv: states are unknown", self.export(RUN, "--water", RECORDING, "--to", "csv"))
         water, people = self.rows("water.csv"), self.rows("people.csv")
         self.assertEqual(len(water), FRAMES * 640)
         last = [row for row in people if row["frame"] == people[-1]["frame"]]
         self.assert_states(row["state"] for row in last)
+        # trajectories.sqlite holds no states: empty before an end, the state of agents.csv at the end of the run.
+        ends = {agent["id"]: float(agent["time_s"]) for agent in self.agents}
+        self.assertEqual({row["state"] for row in people if float(row["time_s"]) < ends[row["id"]] - 1e-3}, {""})
+        self.assertEqual([row["state"] for row in last if self.agents[int(row["id"])]["outcome"] == "active"],
+                         [agent["state"] for agent in self.agents if agent["outcome"] == "active"])
         for row, agent in zip(last, self.agents):
             self.assertEqual((row["id"], row["height_m"]), (agent["id"], agent["height_m"]))
             self.assertLess(max(abs(float(row[name]) - float(agent[name])) for name in ("x_m", "z_m")), 0.02)
@@ -191,7 +197,7 @@ class Readers(ExportTest):
         reader.SetFileName(str(max(self.out.glob("people_*.vtp"))))
         reader.Update()
         states = vtk_to_numpy(reader.GetOutput().GetPointData().GetArray("state"))
-        self.assert_states(["walking", "arrived", "dead"][code] for code in states)
+        self.assert_states([*STATES, "unknown"][code] for code in states)
 
     @needs("vtk", "python3-vtk9")
     def test_vtk_reads_the_depths_of_the_snapshots(self):

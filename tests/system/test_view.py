@@ -264,6 +264,7 @@ class Folders(ViewTest):
         for value, row in zip(zip(*arrays[:3]), rows):
             self.assertAlmostEqual(value[1], row[1], delta=1e-4)
             self.assertAlmostEqual(value[2], row[2], delta=1e-4)
+        self.assertEqual(set(arrays[3]), {-1}, "paths hold no states")
 
 
 class Sessions(ViewTest):

@@ -289,6 +289,7 @@ Message RunFolder::people(std::size_t frame) const {
                     values[5] = std::atan2(column(row, 4), column(row, 3));
                     values[6] = static_cast<float>(paths_per_s_) *
                                 std::hypot(column(row, 5) - values[1], column(row, 6) - values[2]);
+                    values[3] = -1;  // paths hold no states
                     values[fields - 1] = -1;
                 });
     }

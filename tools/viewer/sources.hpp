@@ -96,7 +96,8 @@ inline constexpr std::string_view state_ends[] = {
 };
 inline constexpr std::string_view posture_words[] = {"upright", "falling",  "lying",     "floating", "swimming",
                                                      "sitting", "kneeling", "squatting", "rising"};
-// The arrays of a message of people, in their order; `holds` is the first id that somebody holds, -1: nobody.
+// The arrays of a message of people, in their order; `holds` is the first id that is held, -1: none.
+// A state of -1 is unknown.
 inline constexpr std::string_view people_fields[] = {
     "id",           "x_m",          "z_m",           "state",        "posture",    "heading_rad",
     "speed_m_s",    "gait_phase",   "step_length_m", "hip_height_m", "lean_x_rad", "lean_z_rad",

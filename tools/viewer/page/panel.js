@@ -2,6 +2,7 @@
 // counts and state of the run, legend, time line, the numbers of a person and their course.
 
 import * as THREE from 'three';
+import { UNKNOWN } from './people.js';
 import { scaleColours } from './water.js';
 
 // Shape and colour of each state, so that neither is needed alone.
@@ -131,6 +132,7 @@ export class Symbols {
     texture.colorSpace = THREE.SRGBColorSpace;
     texture.flipY = false;
     this.walking = this.cells.get('walking');
+    this.cells.set(UNKNOWN, this.walking);
     this.uniforms = { map: { value: texture }, size: { value: 15 }, high: { value: 700 }, walking: { value: this.walking } };
     this.points = new THREE.Points(new THREE.BufferGeometry(), new THREE.ShaderMaterial({
       uniforms: this.uniforms, transparent: true, depthTest: false, depthWrite: false,
@@ -155,7 +157,7 @@ export class Symbols {
   /** list: x, y, z and state; ratio: pixels of the picture per pixel of the window. From above the symbols of many people are
    * smaller, at least 6 pixels of the window. */
   show(list, isAbove, ratio) {
-    const rank = (p) => (p.state === 'walking' ? 0 : HARMLESS.includes(p.state) ? 1 : 2), known = list.filter((p) => this.cells.has(p.state)).sort((a, b) => rank(a) - rank(b));
+    const rank = (p) => (p.state === 'walking' || p.state === UNKNOWN ? 0 : HARMLESS.includes(p.state) ? 1 : 2), known = list.filter((p) => this.cells.has(p.state)).sort((a, b) => rank(a) - rank(b));
     this.uniforms.size.value = ratio * (!isAbove ? 15 : list.length > 300 ? 8 : list.length > 100 ? 10 : 13);
     this.uniforms.high.value = innerHeight;
     const g = this.points.geometry;

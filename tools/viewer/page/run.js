@@ -56,11 +56,11 @@ export const isLive = () => ['running', 'paused', 'stale', 'waiting'].includes(s
 
 export const lastTime = () => Math.max(show.status?.people?.last ?? 0, show.status?.recorded?.last ?? 0, show.status?.depths?.last ?? 0, show.live ? show.time : 0, 0);
 
-// A stream of agents has no poses: positions, velocities and outcomes. The positions move on by `later` seconds.
+// A stream of agents has no poses: positions, velocities and outcomes; 0 stands for all states without an end, -1 is unknown. The positions move on by `later` seconds.
 export function asPeople(m, later) {
-  const [id, x0, z0, vx, vz, , state] = m.arrays, x = x0.map((v, k) => v + later * vx[k]), z = z0.map((v, k) => v + later * vz[k]), zero = new Float32Array(m.count), none = new Float32Array(m.count).fill(-1);
+  const [id, x0, z0, vx, vz, , state] = m.arrays, x = x0.map((v, k) => v + later * vx[k]), z = z0.map((v, k) => v + later * vz[k]), zero = new Float32Array(m.count), known = state.map((s) => s || -1), none = new Float32Array(m.count).fill(-1);
   const speed = vx.map((v, k) => Math.hypot(v, vz[k])), heading = vx.map((v, k) => Math.atan2(vz[k], v));
-  return { ...m, arrays: [id, x, z, state, zero, heading, speed, zero, zero, zero, zero, zero, zero, zero, zero, none] };
+  return { ...m, arrays: [id, x, z, known, zero, heading, speed, zero, zero, zero, zero, zero, zero, zero, zero, none] };
 }
 
 /** Whether a state is an end: arrived, sheltered, dead. */

@@ -87,7 +87,7 @@ def streams_of(options):
 
     takes_water = formats()[options.to][1]
     if options.source.is_dir():
-        streams = [sources.of_run(options.source)]
+        streams = [sources.of_run(options.source, says=options.to not in ("pedpy", "obj", "gltf"))]
     elif options.source.exists():
         streams = [sources.of_recording(options.source)]
     else:

@@ -8,7 +8,7 @@ import numpy as np
 from wade import UsageError, plain_file
 from wade.export.recording import AGENTS, Recording
 from wade.run.outcome import MOST_PEOPLE, path_rate, read_agents
-from wade.states import CODES
+from wade.states import CODES, UNKNOWN
 from wade.terminal import say_error
 
 ROW = ("id", "x", "z", "heading", "state", "y", "lean_x", "lean_z")  # of a person in a frame
@@ -19,7 +19,7 @@ BLOCK = 16  # frames of paths that are asked for at once
 class Points:
     """A frame of particles or people: number, time_s, and arrays of float32 or int32, of one length, by name.
 
-    Always x, y, z (m) and vx, vy, vz (m/s); particles have mass (kg), people id, state, height (m), heading (rad, from x
+    Always x, y, z (m) and vx, vy, vz (m/s); particles have mass (kg), people id, state (UNKNOWN where no file holds it), height (m), heading (rad, from x
     towards z) and lean_x, lean_z (rad, out of the vertical); y of a person is its feet, or where they would be.
     """
 
@@ -106,7 +106,8 @@ def particles_of(frame):
               (("x", "px"), ("y", "py"), ("z", "pz"), ("vx", "vx"), ("vy", "vy"), ("vz", "vz"), ("mass", "mass"))}
     if "state" in values:
         still = np.zeros(len(values["mass"]), "f4")
-        arrays |= {"id": np.arange(len(still), dtype="i4"), "state": values["state"].astype("i4"),
+        ended = values["state"] > 0  # an agents stream tells outcomes, and 0 of all agents without one
+        arrays |= {"id": np.arange(len(still), dtype="i4"), "state": np.where(ended, values["state"], UNKNOWN).astype("i4"),
                    "height": values["height"], "heading": np.arctan2(values["vz"], values["vx"]), "lean_x": still,
                    "lean_z": still}
         del arrays["mass"]
@@ -145,8 +146,9 @@ def of_recording(path):
 class People:
     """The people of a run folder: from poses.csv where there is one, else from trajectories.sqlite.
 
-    Who has ended stays in all later frames, at its last place, with the state arrived or dead; "present" tells who has a
-    row in this frame. heights, ends: of agents.csv, by id; who is not there is 1.7 m tall.
+    People with an end stay in all later frames, at their last position, with their outcome as the state; "present" marks
+    rows of this frame. Without poses.csv the state is UNKNOWN until the time of agents.csv. heights, ends: of agents.csv,
+    by id; without a row there a person is 1.7 m tall.
     """
 
     def __init__(self, folder):
@@ -159,8 +161,8 @@ class People:
         for row in rows:
             who = int(row["id"])
             self.heights[who] = float(row["height_m"])
-            if row["outcome"] != "active":
-                self.ends[who], self.outcomes[who] = float(row["time_s"]), CODES[row["outcome"]]
+            self.ends[who] = float(row["time_s"])
+            self.outcomes[who] = CODES[row["state"] if row["outcome"] == "active" else row["outcome"]]
         world = self.scene["world"]
         self.period = world["length_m"] if world["ends"] == "periodic" else 0
         if os.path.lexists(self.poses):
@@ -193,8 +195,8 @@ class People:
             for part in np.split(rows, np.flatnonzero(np.diff(rows[:, 0])) + 1):
                 if len(part):
                     heading = np.arctan2(part[:, 5], part[:, 4])
-                    rest = np.zeros((len(part), 4))
-                    yield int(part[0, 0]), np.column_stack([part[:, 1:4], heading, rest])
+                    rest = np.zeros((len(part), 3))
+                    yield int(part[0, 0]), np.column_stack([part[:, 1:4], heading, np.full(len(part), UNKNOWN), rest])
 
     def rows_of_poses(self):
         for frame, group in itertools.groupby(plain_file.table_rows(self.poses), lambda row: row["frame"]):
@@ -211,7 +213,7 @@ class People:
         # The hips are 0.53 of the height above the feet (docs/file_formats.md), the feet where a leg as leaning ends.
         leg = 0.53 * (self.heights[who] if who < len(self.heights) else 1.7)
         feet = float(row["hip_height_m"]) - leg * np.cos(min(np.pi / 2, np.hypot(lean_x, lean_z)))
-        return (who, float(row["x_m"]), float(row["z_m"]), float(row["heading_rad"]), CODES.get(row["state"], 0), feet,
+        return (who, float(row["x_m"]), float(row["z_m"]), float(row["heading_rad"]), CODES.get(row["state"], UNKNOWN), feet,
                 lean_x, lean_z)
 
     def frames(self):
@@ -253,9 +255,12 @@ class People:
         return Points(number, time_s, arrays)
 
 
-def of_run(folder):
-    """The stream of people of a run folder."""
+def of_run(folder, says=False):
+    """The stream of people of a run folder. says: tells on stderr where states are unknown."""
     people = People(folder)
+    if says and not os.path.lexists(people.poses):
+        say_error(f"wade export: {folder} has no poses.csv: states are unknown (empty, or -1) before the end of a person or of "
+                  "the run; allowed: runs with /crowd/poses/rate_hz")
     made = Stream("people", people.rate_hz, people.frames)
     if os.path.lexists(folder / "outcome.json"):  # of a run that was killed early there is none
         made.end_s = float(plain_file.read_json(folder / "outcome.json")["sim_time_s"])

@@ -8,10 +8,10 @@ import numpy as np
 from wade import UsageError, plain_file
 from wade.export.meshes import write_ply
 from wade.reports.files import write_whole
-from wade.states import CODES
+from wade.states import CODES, UNKNOWN
 
-STATE_WORDS = ", ".join(f"{code} {word}" for word, code in CODES.items())
-WORDS = tuple(CODES)
+STATE_WORDS = ", ".join([f"{UNKNOWN} unknown", *(f"{code} {word}" for word, code in CODES.items())])
+WORDS = (*CODES, "")  # the last is that of UNKNOWN
 MEANING = {"id": "i4", "state": "i4"}  # types of what is not float32
 
 

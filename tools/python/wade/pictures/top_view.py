@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Rectangle
 from matplotlib.patheffects import withStroke
 
 from wade import plain_file
-from wade.states import CODES, IN_HOUSES, STATES
+from wade.states import CODES, IN_HOUSES, STATES, UNKNOWN
 
 GROUND = "#f1ece1"
 BED = "#ded6c6"
@@ -32,6 +32,7 @@ OUTCOMES = {
 # The codes of states (wade.states) that are drawn as each outcome: active where there is no end.
 CODES_OF = {outcome: [CODES[word] for word, state in STATES.items() if word not in IN_HOUSES and outcome == (
     "active" if state.end == "none" else "dead" if state.end == "lost" else word)] for outcome in OUTCOMES}
+CODES_OF["active"].append(UNKNOWN)  # of paths, before an end
 # Of paths and goals where there are several groups: Tol's "muted" colours without the one that is lost on water.
 GROUPS = ("#cc6677", "#332288", "#999933", "#117733", "#aa4499", "#44aa99", "#882255", "#ddcc77")
 DASHES = ("solid", (0, (5, 2)), (0, (1.2, 1.2)))  # of the first eight groups, the next ones, the last ones

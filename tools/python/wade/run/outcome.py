@@ -4,7 +4,7 @@ import math
 import os
 
 from wade import plain_file
-from wade.states import CODES
+from wade.states import check_states
 
 MOST_PEOPLE = 10_000_000  # of a run
 
@@ -103,8 +103,9 @@ def read_agents(path):
             sound = 0 <= int(row["id"]) < MOST_PEOPLE and all(map(math.isfinite, numbers))
         except ValueError:
             sound = False
-        if not sound or row["outcome"] not in (*CODES, "active"):
+        if not sound:
             raise plain_file.FileError(path, f"the row of person {row['id'][:20]} is damaged")
+    check_states(path, [row["outcome"] for row in rows], [row["state"] for row in rows if "state" in row])
     return rows
 
 

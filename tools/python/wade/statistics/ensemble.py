@@ -15,7 +15,7 @@ import numpy as np
 from wade import UsageError, plain_file, progress
 from wade.ensembles.folder import EnsembleFolder, fault_of_agents
 from wade.ensembles.plan import read_plan
-from wade.states import ENDS, IN_HOUSES, end_of, kind_of
+from wade.states import ENDS, IN_HOUSES, check_states, end_of, kind_of
 
 SWEPT_AWAY = "swept away"  # kind: over the fall, or out with the water
 # Columns of each table, by the end: all that follows is a part of lost or of no end yet, and a column only if it occurs.
@@ -124,6 +124,7 @@ def read_people(file, words):
     missing = [name for name in (*NUMBERS, *TEXTS) if name not in (*columns, *OLDER)]
     if missing:
         raise UsageError(f"{file}: no column {missing[0]}")
+    check_states(file, columns["outcome"], columns["state"])
     count = len(columns["state"])
     nothing = ("",) * count
     try:

@@ -195,7 +195,7 @@ def bars(case):
 
 def glossary(*cases):
     there = {fate for case in cases for fate in case.people["fate"].tolist()}
-    rows = [[text(fate), text(WORDS.get(fate, "a state of the program's own")) + "."] for fate in fates_of(*cases)
+    rows = [[text(fate), text(WORDS[fate]) + "."] for fate in fates_of(*cases)
             if fate in there or fate in (LOST, NO_END)]
     return table(["word", "they ..."], rows, (0, 1))
 
