@@ -92,8 +92,31 @@ class Folder(unittest.TestCase):
         (self.folder / "runs.csv").write_text("index,status\n4,stale\n")
         found = read_ensemble(self.folder)
         self.assertEqual(found.cases[0].seeds, [1, 5])
-        self.assertEqual(found.left_out, {"interrupted": 1, "agents.csv cut off": 1, "stale": 1, "twice the same seed": 1,
-                                          "not run": 1})
+        self.assertEqual(found.left_out, {"interrupted": ["runs/00002"], "agents.csv cut off": ["runs/00003"], "stale": ["runs/00004"],
+                                          "twice the same seed": ["runs/00006"], "not run": ["runs/00007"]})
+
+    def test_each_run_that_is_left_out_is_named_with_its_reason(self):
+        for k in range(1, 7):
+            write_run(self.folder / f"run{k}", k, 10, 1)
+        for k, name in ((2, "outcome.json"), (3, "agents.csv"), (4, "manifest.json")):
+            (self.folder / f"run{k}" / name).unlink()
+        (self.folder / "run5/outcome.json").write_text("{}")
+        words = ("run3 (no agents.csv); run4 (no manifest.json); run2 (no outcome.json); run5 (outcome.json without status).")
+        _, said = quietly(table.main, self.folder, "--no-figures")
+        self.assertIn(f"Left out: {words}", said)
+        quietly(page.main, self.folder)
+        self.assertIn(f"Runs that are not counted: {words}", (self.folder / "report.html").read_text())
+        for k in range(1, 7):
+            (self.folder / f"run{k}/outcome.json").unlink(missing_ok=True)
+        with self.assertRaisesRegex(UsageError, r"no complete run in it \(run1, run2, .*run6 \(no outcome.json\)\)"):
+            read_ensemble(self.folder)
+
+    def test_an_outcome_that_is_not_in_the_list_is_refused(self):
+        write_run(self.folder / "run1", 1, 10, 1)
+        file = self.folder / "run1/agents.csv"
+        file.write_text(file.read_text().replace(",dead,", ",vanished,"))
+        with self.assertRaisesRegex(UsageError, 'agents.csv, row 11: outcome "vanished" is not allowed; allowed: active, arrived, dead'):
+            read_ensemble(self.folder)
 
     def test_settings_make_cases_and_folders_without_a_plan_are_read(self):
         write_plan(self.folder / "a", [(1, "river/s08", 1, '{"/channel/depth_m": 1}'), (2, "river/s08", 1, '{"/channel/depth_m": 2}')])

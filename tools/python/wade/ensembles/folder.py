@@ -89,7 +89,28 @@ def fault_of_agents(folder, outcome):
             lines = sum(piece.count(b"\n") for piece in iter(lambda: file.read(1 << 20), b""))
         return "" if lines == outcome["agents"] + 1 else "agents.csv cut off"
     except plain_file.FileError as error:
-        return "agents.csv cut off" if error.errno == errno.ENOENT else f"{Path(error.filename).name}: {error.strerror}"
+        return "no agents.csv" if error.errno == errno.ENOENT else f"{Path(error.filename).name}: {error.strerror}"
+
+
+def why_incomplete(folder):
+    """Why a run folder does not count; "" if it is complete."""
+    if not folder.is_dir():
+        return "not run"
+    files = {}
+    for name in ("outcome.json", "manifest.json"):
+        try:
+            files[name] = plain_file.read_json(folder / name)
+        except plain_file.FileError as error:
+            return f"no {name}" if error.errno == errno.ENOENT else f"{name}: {error.strerror}"
+    outcome = files["outcome.json"]
+    missing = [key for key in ("status", "seed", "scene", "agents", "sim_time_s") if key not in outcome]
+    if missing:
+        return f"outcome.json without {missing[0]}"
+    if "resolved_scene" not in files["manifest.json"]:
+        return "manifest.json without resolved_scene"
+    if outcome["status"] != "completed":
+        return str(outcome["status"])
+    return fault_of_agents(folder, outcome)
 
 
 def is_complete(folder, expected, seed):

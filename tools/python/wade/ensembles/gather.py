@@ -1,6 +1,6 @@
 """What the runs of a plan came to, read from their folders alone."""
 
-from wade.ensembles.folder import FAILURE, read_json, status_of
+from wade.ensembles.folder import FAILURE, read_json, status_of, why_incomplete
 
 COUNTS = ("agents", "arrived", "dead", "active", "standing", "last_arrival_s", "sim_time_s")
 OF_PLACES = ("sheltered", "indoors", "upper_floor")  # where runs say them
@@ -32,7 +32,7 @@ def row_of(folder, run, fingerprint, refusal):
     row.update({f"state_{state}": number for state, number in outcome.get("states", {}).items()})
     row.update(frame_hash=outcome.get("frame_hash"), host=manifest.get("host"), wall_time_s=outcome.get("wall_time_s"))
     if row["status"] != "completed":
-        row["reason"] = failure.get("reason", "incomplete")
+        row["reason"] = failure.get("reason", why_incomplete(folder) or "incomplete")
     row["commit"] = manifest.get("git_hash")
     return row
 

@@ -3,7 +3,6 @@
 Only runs that are complete count; each scene with its settings is a case of its own.
 """
 
-import errno
 import json
 import os
 from collections import Counter
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from wade import UsageError, plain_file, progress
-from wade.ensembles.folder import EnsembleFolder, fault_of_agents
+from wade.ensembles.folder import EnsembleFolder, read_json, why_incomplete
 from wade.ensembles.plan import read_plan
 from wade.states import ENDS, IN_HOUSES, check_states, end_of, kind_of
 
@@ -22,6 +21,7 @@ SWEPT_AWAY = "swept away"  # kind: over the fall, or out with the water
 LOST, NO_END = "lost", "no end yet"
 ALWAYS = ("arrived", "sheltered", LOST, NO_END)
 AGE_CLASSES = ((15, "under 15"), (65, "15 to 64"), (200, "65 and over"))  # those of the United Nations' tables
+MOST_NAMES = 20  # of runs that are left out
 SQUARE_M = 20  # side of a place where people start
 FLOODED, DEEP_M = "in flooded houses", 0.5  # the kind of people indoors with more water than that at their door
 IN_A_HOUSE = ("indoors", FLOODED, "upstairs")  # kinds that no longer run decides, as houses are not modelled
@@ -71,11 +71,16 @@ class Case:
 
 @dataclass
 class Ensemble:
-    """What a folder holds; left_out: {why: number of runs}."""
+    """What a folder holds; left_out: {why: names of the runs}."""
 
     folder: Path
     cases: list
-    left_out: Counter
+    left_out: dict
+
+    def left_out_words(self):
+        """The runs that do not count, each with its reason; "" if all do. Of more than MOST_NAMES with one reason the first."""
+        return "; ".join(f"{', '.join(names[:MOST_NAMES])}{f' and {more} more' if (more := len(names) - MOST_NAMES) > 0 else ''} ({why})"
+                         for why, names in sorted(self.left_out.items()))
 
 
 def planned(folder):
@@ -97,7 +102,7 @@ def found(folder):
         real = os.path.realpath(path)
         if real in seen:  # a link that leads round
             inner.clear()
-        elif "outcome.json" in (*files, *inner):
+        elif {"outcome.json", "agents.csv"} & {*files, *inner}:
             folders.append(Path(path))
         seen.add(real)
     return [(run, None, {}, None, "") for run in sorted(folders)]
@@ -105,17 +110,10 @@ def found(folder):
 
 def read_outcome(folder, seed=None):
     """(outcome or None, why it does not count) of a run; seed: that of the plan."""
-    try:
-        outcome = plain_file.read_json(folder / "outcome.json")
-    except plain_file.FileError as error:
-        return None, "not run" if error.errno == errno.ENOENT else f"outcome.json: {error.strerror}"
-    if outcome.get("status") != "completed":
-        return None, str(outcome.get("status"))
-    if seed not in (None, outcome["seed"]):
-        return None, "of another seed"
-    if fault := fault_of_agents(folder, outcome):
-        return None, fault
-    return outcome, ""
+    if why_not := why_incomplete(folder):
+        return None, why_not
+    outcome = read_json(folder / "outcome.json")
+    return (outcome, "") if seed in (None, outcome["seed"]) else (None, "of another seed")
 
 
 def read_people(file, words):
@@ -148,17 +146,17 @@ def read_ensemble(folder):
     if not folder.is_dir():
         raise UsageError(f"{folder}: there is no such folder")
     listed = planned(folder)
-    cases, people, left_out, seen, words = {}, {}, Counter(), set(), {}
+    cases, people, left_out, seen, words = {}, {}, {}, set(), {}
     for run_folder, scene, settings, seed, why_not in progress.over(found(folder) if listed is None else listed, "reads the runs"):
         outcome, why_not = (None, why_not) if why_not else read_outcome(run_folder, seed)
         if why_not:
-            left_out[why_not] += 1
+            left_out.setdefault(why_not, []).append(os.path.relpath(run_folder, folder))
             continue
         name = outcome["scene"] if scene is None else "/".join(Path(scene.removesuffix(".json")).parts[-2:])
         key = (name, json.dumps(settings, sort_keys=True))
         seed = outcome["seed"]
         if (key, seed) in seen:
-            left_out["twice the same seed"] += 1
+            left_out.setdefault("twice the same seed", []).append(os.path.relpath(run_folder, folder))
             continue
         seen.add((key, seed))
         case = cases.setdefault(key, Case(name, settings))
@@ -166,7 +164,7 @@ def read_ensemble(folder):
         people.setdefault(key, []).append({**of_run, "run": np.full(len(of_run["dead"]), len(case.runs))})
         case.runs.append(Run(run_folder, seed, outcome))
     if not cases:
-        why = ", ".join(f"{number} {words}" for words, number in left_out.items())
+        why = Ensemble(folder, [], left_out).left_out_words()
         raise UsageError(f"{folder}: no complete run in it{f' ({why})' if why else ''}")
     for key, case in cases.items():
         parts = people.pop(key)

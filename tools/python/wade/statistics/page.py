@@ -448,7 +448,7 @@ def values_html(cases, comparisons):
 def page(ensemble, comparisons, title):
     """The page."""
     cases = ensemble.cases
-    left = "; ".join(f"{number} {words}" for words, number in ensemble.left_out.items())
+    left = ensemble.left_out_words()
     warn = f'<p class="warn">Runs that are not counted: {text(left)}.</p>' if left else ""
     runs = sum(len(case.runs) for case in cases)
     if len(cases) > MOST_SECTIONS:

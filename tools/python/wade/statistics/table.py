@@ -304,9 +304,7 @@ def curve_rows(curves):
 
 
 def left_out_text(ensemble):
-    if not ensemble.left_out:
-        return ""
-    return "Left out: " + ", ".join(f"{number} runs ({words})" for words, number in sorted(ensemble.left_out.items())) + ".\n"
+    return f"Left out: {ensemble.left_out_words()}.\n" if ensemble.left_out else ""
 
 
 def deaths_line(case):
