@@ -148,6 +148,40 @@ class Pairs(unittest.TestCase):
         self.assertIn("fewer than 10 pairs", compared([1] * 5, [2] * 5, [50] * 5).refused)
 
 
+class Alike(unittest.TestCase):
+    def test_pairs_that_all_differ_alike_leave_room_for_another(self):
+        for pairs in (10, 20, 200):
+            result = compared([4] * pairs, [2] * pairs, [4] * pairs)
+            most = 1 - 0.05 ** (1 / pairs)  # of pairs that differ otherwise
+            self.assertAlmostEqual(result.low, -0.5 - 0.5 * most)
+            self.assertAlmostEqual(result.high, -0.5 + 1.5 * most)
+            self.assertAlmostEqual(result.per_high, 1 / abs(result.high))
+        result = compared([4] * 10, [0] * 10, [4] * 10)
+        self.assertEqual(result.low, -1)
+        self.assertAlmostEqual(result.high, -1 + 2 * (1 - 0.05**0.1))
+
+    def test_a_few_unlike_pairs_make_it_wider_and_never_certain(self):
+        widths = []
+        for unlike in range(12):
+            result = compared([4] * 20, [3] * unlike + [2] * (20 - unlike), [4] * 20)
+            self.assertLess(result.low, result.difference)
+            self.assertLess(result.difference, result.high)
+            widths.append(result.high - result.low)
+        self.assertEqual(sorted(widths[:5]), widths[:5])
+
+    def test_a_difference_in_no_pair_or_the_same_in_two_may_be_0(self):
+        self.assertIn("unlike in 0 of 20", compared([2] * 20, [2] * 20, [4] * 20).refused)
+        self.assertIn("may be 0", compared([2] * 10, [1] * 10, [8] * 10).refused + compared([3] * 10, [2] * 10, [8] * 10).refused)
+
+    def test_bounds_hold_where_a_pair_in_ten_differs_otherwise(self):
+        random, wrong, times = np.random.default_rng(36), 0, 400
+        for _ in range(times):
+            second = random.choice([2, 4], size=20, p=(0.9, 0.1)).tolist()  # of 4; mean difference -0.45
+            result = compared([4] * 20, second, [4] * 20)
+            wrong += result.low is not None and not result.low <= -0.45 <= result.high
+        self.assertGreater(by_chance(wrong, times), 0.001)
+
+
 def simulated(random, share, alike, runs, people, times):
     """Counts of ensembles, beta-binomial: correlation `alike` between the people of a run."""
     if alike == 0:

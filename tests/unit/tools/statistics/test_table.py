@@ -182,8 +182,8 @@ class Folder(unittest.TestCase):
             quietly(table.main, self.folder / "a", "--against", self.folder / "c", "--no-figures", "--out", self.folder)
 
     def test_where_all_have_an_end_so_many_people_are_needed_for_one_more(self):
-        ensemble_in(self.folder / "a", all_end=True)
-        ensemble_in(self.folder / "b", drowned=lambda seed: seed % 4, all_end=True)
+        ensemble_in(self.folder / "a", drowned=lambda seed: 2 + seed % 4, all_end=True)
+        ensemble_in(self.folder / "b", drowned=lambda seed: 2 + seed % 4 - seed // 4 % 2 * 2, all_end=True)
         quietly(table.main, self.folder / "a", "--against", self.folder / "b", "--out", self.folder, "--no-figures")
         rows = {row["fate"]: row for row in read_csv(self.folder / "compared.csv") if row["by"] == "all"}
         self.assertAlmostEqual(float(rows["lost"]["people_for_one_more"]), 20)

@@ -35,7 +35,7 @@ class Test(unittest.TestCase):
         firm, one_falls = ["walking"] * 4, ["walking"] * 3 + ["toppled"]
         rows = [row for seed in range(1, 5) for row in together.compared("s", seed, {"a": firm}, {"a": one_falls})]
         line = together.summary(rows).splitlines()[-1]
-        self.assertIn("1.0 (1.0 .. 1.0)", line)
+        self.assertIn("1.0 (-1.6 .. 2.6)", line)
         self.assertIn("| 0.12 |", line)
 
 

@@ -102,7 +102,7 @@ def _lost(case, rule):
 
 
 def lost_at(case, rule):
-    """(share lost, low, high) of 95 % over runs; the ends None with fewer than 10 runs."""
+    """(share lost, low, high) of 95 % over runs; the ends None with fewer than 10 runs or where all are alike."""
     runs = len(case.runs)
     above, below = np.bincount(case.people["run"], _lost(case, rule), runs), np.bincount(case.people["run"], minlength=runs)
     share = float(above.sum() / below.sum())
@@ -111,7 +111,7 @@ def lost_at(case, rule):
     draws = np.random.default_rng(SEED).integers(0, runs, size=(4 * RESAMPLES, runs))
     tail = (1 - expanded_level(runs)) / 2
     low, high = np.quantile(above[draws].sum(axis=1) / below[draws].sum(axis=1), [tail, 1 - tail])
-    return share, float(low), float(high)
+    return (share, float(low), float(high)) if low < high else (share, None, None)  # no spread is no certainty
 
 
 def lost_by_rules(case):

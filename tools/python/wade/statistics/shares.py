@@ -7,6 +7,7 @@ The same numbers give the same intervals. Coverage, by simulation: docs/survival
 import functools
 import math
 import statistics
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -173,6 +174,21 @@ def bootstrap_mean(values):
     return mean, float(low), float(high)
 
 
+def mean_of_alike(values, most=1.0):
+    """(low, high) of a mean of values within -most to most where nearly all runs give one value; None with 5 unlike it or more.
+
+    Runs that are all alike have no spread, and t and bootstrap would claim a certainty. The share q of runs with another value
+    than the commonest m is below the exact one-sided bound of 95 % (Clopper and Pearson 1934; of 0 in n runs 1 - 0.05^(1 / n),
+    the rule of three). These may have any value, so that the mean lies between m - q (most + m) and m + q (most - m).
+    """
+    commonest, alike = Counter(round(value, 12) for value in values).most_common(1)[0]
+    unlike = len(values) - alike
+    if unlike >= FEWEST_WITH_ANY:
+        return None
+    q = float(special.betaincinv(unlike + 1, alike, LEVEL))
+    return commonest - q * (most + commonest), commonest + q * (most - commonest)
+
+
 # When there are enough runs.
 
 FIRST_LOOK = 20  # runs; who looks at 3 runs first stops too early: coverage 0.80 where people of a run are alike
@@ -245,7 +261,7 @@ class Comparison:
 
 
 def compared(first, second, people):
-    """Paired t over runs of the difference of shares; counts of the same seeds, people a run.
+    """Paired t over runs of the difference of shares; mean_of_alike() of nearly equal ones. Counts of the same seeds, people a run.
 
     None where the share of both together would get no interval: differences of rare outcomes are as skewed as these.
 
@@ -271,9 +287,11 @@ def compared(first, second, people):
     refused = refused or why_not(both, sizes, effect)
     if refused:
         return Comparison(count, total, *means, mean, None, None, per, None, None, refused)
-    level = level_of(sum(sizes) / effect * min(share, 1 - share), count)
-    half = t_quantile(count - 1, level) * statistics.stdev(differences) / math.sqrt(count)
-    low, high = mean - half, mean + half
+    low, high = mean_of_alike(differences) or (None, None)
+    if low is None:
+        level = level_of(sum(sizes) / effect * min(share, 1 - share), count)
+        half = t_quantile(count - 1, level) * statistics.stdev(differences) / math.sqrt(count)
+        low, high = mean - half, mean + half
     if low <= 0 <= high:
         return Comparison(count, total, *means, mean, low, high, per, None, None, "difference may be 0")
     ends = sorted((1 / abs(low), 1 / abs(high)))

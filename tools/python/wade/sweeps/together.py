@@ -17,7 +17,7 @@ from wade import UsageError, plain_file
 from wade.many import label, seed_range
 from wade.paths import RUNS, module_command
 from wade.reports.files import say
-from wade.statistics.shares import bootstrap_mean
+from wade.statistics.shares import bootstrap_mean, mean_of_alike
 from wade.reports.tables import markdown, read_csv, write_csv
 from wade.run.processes import resolved
 from wade.scenes import find_scene
@@ -86,7 +86,10 @@ def summary(rows):
     lines = []
     for kind in dict.fromkeys((row["scene"], row["group"], row["measure"]) for row in rows):
         own = [row for row in rows if (row["scene"], row["group"], row["measure"]) == kind]
-        mean, low, high = bootstrap_mean([row["together"] - row["alone"] for row in own])
+        differences = [row["together"] - row["alone"] for row in own]
+        mean, low, high = bootstrap_mean(differences)
+        if low is not None:
+            low, high = mean_of_alike(differences, max(row["people"] for row in own)) or (low, high)
         interval = "" if low is None else f" ({low:.1f} .. {high:.1f})"
         only = [sum(row[key] for row in own) for key in ("only_together", "only_alone")]
         people, *means = (sum(row[key] for row in own) / len(own) for key in ("people", "together", "alone"))
