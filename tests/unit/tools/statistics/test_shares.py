@@ -40,15 +40,16 @@ class Quantiles(unittest.TestCase):
             self.assertAlmostEqual(t_quantile(degrees), printed, delta=5e-4)
 
     def test_share_of_runs_is_that_of_clopper_and_pearson(self):
-        # None of n: 1 - 0.025^(1/n), Louis 1981 for two sides. 4 of 20: 0.0573 to 0.4366 in their charts' tables.
-        self.assertAlmostEqual(share_of_runs(0, 20)[1], 1 - 0.025 ** (1 / 20), places=9)
+        # None of n: one-sided, 1 - 0.05^(1/n), as Share.limit. 4 of 20: 0.0573 to 0.4366 in their charts' tables.
+        self.assertAlmostEqual(share_of_runs(0, 20)[1], 1 - 0.05 ** (1 / 20), places=9)
         self.assertEqual(share_of_runs(0, 20)[0], 0.0)
+        self.assertAlmostEqual(share_of_runs(20, 20)[0], 0.05 ** (1 / 20), places=9)
         low, high = share_of_runs(4, 20)
         self.assertAlmostEqual(low, 0.0573, delta=5e-5)
         self.assertAlmostEqual(high, 0.4366, delta=5e-5)
 
     def test_share_of_runs_is_known_for_thousands(self):
-        self.assertAlmostEqual(share_of_runs(0, 5000)[1], 1 - 0.025 ** (1 / 5000), places=12)
+        self.assertAlmostEqual(share_of_runs(0, 5000)[1], 1 - 0.05 ** (1 / 5000), places=12)
         low, high = share_of_runs(2500, 5000)  # nearly normal: 1.96 sqrt(0.25 / 5000), and half a run
         self.assertAlmostEqual(high - low, 2 * (1.96 * (0.25 / 5000) ** 0.5 + 0.5 / 5000), delta=2e-5)
 

@@ -111,6 +111,69 @@ class Folder(unittest.TestCase):
         with self.assertRaisesRegex(UsageError, r"no complete run in it \(run1, run2, .*run6 \(no outcome.json\)\)"):
             read_ensemble(self.folder)
 
+    def test_people_without_a_skill_are_told_the_reason_and_the_remedy(self):
+        write_run(self.folder / "run1", 1, 10, 1)
+        file, manifest = self.folder / "run1/agents.csv", self.folder / "run1/manifest.json"
+        file.write_text(file.read_text().replace(",0.2,walking,", ",0.2,,"))
+        _, said = quietly(table.main, self.folder, "--by", "skill", "--no-figures")
+        self.assertIn("20 of 20 people are in no class: they have a given endurance tau and no skill; allowed: groups without tau.",
+                      said.replace("\n", " "))
+        manifest.write_text(manifest.read_text().replace("measured", "paper"))
+        _, said = quietly(table.main, self.folder, "--by", "skill", "--no-figures")
+        self.assertIn("runs with --set /crowd/response=measured and groups without tau", said.replace("\n", " "))
+        file.write_text(file.read_text().replace(",skill,", ",skill_of_old,"))
+        _, said = quietly(table.main, self.folder, "--by", "skill", "--no-figures")
+        self.assertIn("agents.csv has no column skill; run them again", said)
+        quietly(page.main, self.folder)
+        text = (self.folder / "report.html").read_text()
+        self.assertNotIn("How soon people drown adrift", text)
+        self.assertIn("People with a given endurance do not drown", text)
+
+    def test_the_page_of_one_run_tells_of_no_others(self):
+        write_run(self.folder / "run1", 1, 10, 3)
+        quietly(page.main, self.folder)
+        text = (self.folder / "report.html").read_text()
+        for words in ("3 to 3", "from run to run", "of all runs", "other runs", " 1 runs"):
+            self.assertNotIn(words, text)
+        _, said = quietly(table.main, self.folder, "--no-figures")
+        self.assertIn("die, 3 of 20.", said)
+
+    def test_none_and_all_of_the_runs_have_one_sided_intervals(self):
+        for seed in (1, 2, 3):
+            write_run(self.folder / f"run{seed}", seed, 10, 0)
+        _, said = quietly(table.main, self.folder, "--no-figures")
+        self.assertIn("| 1 | 0.0 % | below 63.2 % |", said)
+        self.assertIn("die, 0 of 20 a run.", said)
+        self.assertEqual([table.percent(share) for share in (1 - 1e-13, 0.99996, 0.9995, 1e-13, 0.00004)],
+                         ["100.0", "99.996", "99.95", "0.0", "0.004"])
+
+    def test_the_page_of_many_settings_names_them_and_defines_first_and_second(self):
+        write_plan(self.folder, [(k, "river/s08", 1 + k % 2, json.dumps({"/crowd/groups/0/goal/x_m": 8 + (k - 1) // 2}))
+                                 for k in range(1, 7)])
+        for k in range(1, 7):
+            write_run(self.folder / "runs" / f"{k:05d}", 1 + k % 2, 9 + k, 1)
+        quietly(page.main, self.folder)
+        text = (self.folder / "report.html").read_text()
+        self.assertIn("Without an end yet at the end of the runs, by setting: 22.5 to 42.5 % walking. Longer runs decide", text)
+        self.assertIn("against /crowd/groups/0/goal/x_m 8, of 100", text)
+        self.assertIn("First: /crowd/groups/0/goal/x_m 8. Second: the setting of the row.", text)
+        self.assertIn("<th class=l>/crowd/groups/0/goal/x_m</th>", text)
+        self.assertNotIn("<h2>8</h2>", text)
+        _, said = quietly(table.main, self.folder, "--no-figures")
+        self.assertIn("First: /crowd/groups/0/goal/x_m 8. Second", said.replace("\n", " "))
+
+    def test_what_was_assumed_covers_all_settings(self):
+        write_plan(self.folder, [(k, "river/s08", 1, json.dumps({"/channel/velocity_m_s": k})) for k in (1, 2, 3)])
+        for k in (1, 2, 3):
+            folder = self.folder / "runs" / f"{k:05d}"
+            write_run(folder, 1, 10, 1)
+            manifest = json.loads((folder / "manifest.json").read_text())
+            manifest["resolved_scene"]["channel"]["velocity_m_s"] = k
+            (folder / "manifest.json").write_text(json.dumps(manifest))
+        quietly(page.main, self.folder)
+        text = (self.folder / "report.html").read_text()
+        self.assertIn("1: 1 m deep, 1 m/s asked for<br>2: 1 m deep, 2 m/s asked for<br>3: 1 m deep, 3 m/s asked for", text)
+
     def test_an_outcome_that_is_not_in_the_list_is_refused(self):
         write_run(self.folder / "run1", 1, 10, 1)
         file = self.folder / "run1/agents.csv"

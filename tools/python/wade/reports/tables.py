@@ -21,6 +21,11 @@ def count(value):
     return "-" if value is None else f"{value:,.0f}" if abs(value) >= 1e4 else f"{value:.4g}"
 
 
+def count_of(number, noun="run"):
+    """"1 run", "3 runs"."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def listed(parts):
     """"a, b and c"; "none" of nothing."""
     parts = list(parts)

@@ -35,11 +35,12 @@ OLDER = ("age", "skill", "worst_state", "start_x_m", "start_z_m", "off_feet_s", 
 
 @dataclass
 class Run:
-    """A complete run: its folder, seed and outcome.json."""
+    """A complete run: its folder, seed, outcome.json, and the columns of agents.csv."""
 
     folder: Path
     seed: int
     outcome: dict
+    columns: tuple
 
 
 @dataclass
@@ -117,7 +118,7 @@ def read_outcome(folder, seed=None):
 
 
 def read_people(file, words):
-    """The columns of an agents.csv as arrays, with `fate`, `dead`, `safe`, `indoors`; words: each text, once."""
+    """(columns of an agents.csv as arrays, with `fate`, `dead`, `safe`, `indoors`; their names). words: each text, once."""
     columns = plain_file.read_columns(file)
     missing = [name for name in (*NUMBERS, *TEXTS) if name not in (*columns, *OLDER)]
     if missing:
@@ -136,8 +137,8 @@ def read_people(file, words):
     ends = np.array([end_of(outcome) for outcome in people["outcome"]])
     people["dead"], people["safe"] = ends == "lost", ends == "safe"
     people["indoors"] = np.isin(people["outcome"].astype(str), IN_HOUSES)
-    people["skill"][people["worst_state"] == ""] = ""  # who has a given tau has no use for it
-    return people
+    people["skill"][people["worst_state"] == ""] = ""  # of no effect with a given tau
+    return people, tuple(columns)
 
 
 def read_ensemble(folder):
@@ -160,9 +161,9 @@ def read_ensemble(folder):
             continue
         seen.add((key, seed))
         case = cases.setdefault(key, Case(name, settings))
-        of_run = read_people(run_folder / "agents.csv", words)
+        of_run, columns = read_people(run_folder / "agents.csv", words)
         people.setdefault(key, []).append({**of_run, "run": np.full(len(of_run["dead"]), len(case.runs))})
-        case.runs.append(Run(run_folder, seed, outcome))
+        case.runs.append(Run(run_folder, seed, outcome, columns))
     if not cases:
         why = Ensemble(folder, [], left_out).left_out_words()
         raise UsageError(f"{folder}: no complete run in it{f' ({why})' if why else ''}")
@@ -192,7 +193,7 @@ BY = {
 
 
 def classes(case, by):
-    """[(class, who is in it)]; none where agents.csv is older than the column."""
+    """[(class, its people as truth values)]; none without a value of any person."""
     values = BY[by](case.people)
     order = {words: place for place, (_, words) in enumerate(AGE_CLASSES)} if by == "age" else {}
     names = dict.fromkeys(values.tolist())

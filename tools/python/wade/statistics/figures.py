@@ -3,6 +3,7 @@
 import numpy as np
 
 from wade.reports.plots import COLOURS, error_bars, panels, save
+from wade.reports.tables import count_of
 from wade.statistics.times import fn_curve
 
 MOST_POINTS = 2000  # of a drawn curve
@@ -37,7 +38,7 @@ def draw_curves(case, curves, file):
     draw_fn(axes[-1], case)
     figure.subplots_adjust(wspace=0.28)
     band = "no bands: fewer than 10 runs" if curves["died"].low is None else "band: 95 %, runs resampled"
-    words = f"{case.name}: {len(case.runs)} runs, {len(case.people['run'])} people; {band}"
+    words = f"{case.name}: {count_of(len(case.runs))}, {len(case.people['run'])} people; {band}"
     figure.text(0.5, -0.03, words, ha="center", fontsize=8)
     save(figure, file)
 
@@ -48,6 +49,7 @@ def draw_fn(axes, case):
     axes.errorbar(rows[:, 0], 100 * rows[:, 1], yerr=100 * np.abs(rows[:, 2:].T - rows[:, 1]), color=COLOURS[1], marker="o",
                   markersize=3.5, linewidth=1, capsize=2)
     axes.set(title="FN: runs with N dead or more", xlabel="N", ylabel="of all runs, %", ylim=(-2, 102))
+    axes.set_xlim(0, max(2, 1.05 * rows[-1, 0]))
     axes.xaxis.get_major_locator().set_params(integer=True)
 
 
@@ -73,7 +75,7 @@ def draw_values(cases, keys, file):
         axes.set_xticks(list(xs), labels, rotation=30, ha="right")
     axes.set(xlabel=", ".join(key.removeprefix("/") for key in keys), ylabel="of all people, %", ylim=(-2, 102))
     axes.legend()
-    runs = sorted({len(case.runs) for case in cases})
-    axes.set_title(f"{cases[0].scene}: {' to '.join(map(str, dict.fromkeys((runs[0], runs[-1]))))} runs each; bars: 95 % over runs",
+    few, many = (edge(len(case.runs) for case in cases) for edge in (min, max))
+    axes.set_title(f"{cases[0].scene}: {'' if few == many else f'{few} to '}{count_of(many)} each; bars: 95 % over runs",
                    fontsize=9)
     save(figure, file)

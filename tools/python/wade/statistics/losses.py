@@ -5,6 +5,7 @@ The position and the time of a loss are those of agents.csv: where a person drow
 
 import numpy as np
 
+from wade.reports.tables import count_of
 from wade.statistics.ensemble import SQUARE_M, SWEPT_AWAY
 
 MOST_ROWS = 12  # of each table
@@ -66,7 +67,7 @@ def draw(case, file):
         axes.plot(np.clip(x[chosen], 0, length), np.clip(z[chosen], 0, width), marker, color="#16161a", markersize=3, fillstyle="none",
                   markeredgewidth=0.6, alpha=0.6, zorder=9, clip_on=False)
     top_view.draw_depth_bar(figure, axes, mesh, f"lost a run in a square of {SQUARE_M} m")
-    draw_title(figure, "Where people are lost", f"{case.name}: {len(x)} people of {len(case.runs)} runs; "
+    draw_title(figure, "Where people are lost", f"{case.name}: {len(x)} people of {count_of(len(case.runs))}; "
                f"crosses: drowned, rings: swept away")
     save_picture(figure, file)
     plt.close(figure)

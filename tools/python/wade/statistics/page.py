@@ -14,16 +14,16 @@ import numpy as np
 
 from wade import UsageError, plain_file
 from wade.reports.files import complain, say, write_whole
-from wade.reports.tables import listed
+from wade.reports.tables import count_of, listed
 from wade.statistics import drifts, losses
-from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet, having,
+from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet, having, open_kinds,
                                       read_ensemble)
 from wade.statistics.figures import draw_values
 from wade.statistics.last_places import SQUARE_M, density_of, search_order
-from wade.statistics.shares import share_of, share_of_runs
-from wade.statistics.table import (HAZARD_NOTE, LEAST, MOST, MOST_SECTIONS, SAFE, adrift_warning, compare, comparisons_of,
-                                   drifts_rows, hazard_rows, interval_words, label_of, limit_words, open_text, percent,
-                                   refusal_words, stop_text, told_apart_by, verdict, what_decides)
+from wade.statistics.shares import share_of
+from wade.statistics.table import (FIRST_AND_SECOND, HAZARD_NOTE, LEAST, MOST, MOST_SECTIONS, SAFE, adrift_warning, compare,
+                                   comparisons_of, drifts_rows, hazard_rows, interval_words, label_of, limit_words, named, of_runs,
+                                   open_text, percent, refusal_words, stop_text, told_apart_by, verdict, what_decides)
 from wade.statistics.times import curves_of
 from wade.states import MISSING
 from wade.terminal import Parser
@@ -142,10 +142,12 @@ def tiles(case):
         head, _, more = in_hundred(share).partition(" (")
         note += hazard_note(case) if words == "die" else ""
         cells.append(f'<div class="tile"><b>{head}</b>{words}{f"<br>likely {text(more[:-1])}" if more else ""}{note}</div>')
-    low, high = share_of_runs(int((dead > 0).sum()), len(dead))
-    cells.append(f'<div class="tile"><b>{dead.min()} to {dead.max()}</b>dead of {size.max()} people, from run to run<br>'
-                 f'<span class="small">{int((dead > 0).sum())} of {len(dead)} runs have any (likely {percent(low)} to '
-                 f"{percent(high)} % of all runs of this flood)</span></div>")
+    with_any = int((dead > 0).sum())
+    most = "" if dead.min() == dead.max() else f" to {dead.max()}"
+    of_all = (f'<br><span class="small">{with_any} of {len(dead)} runs have any (likely {of_runs(with_any, len(dead))} of all runs of '
+              "this flood)</span>") if len(dead) > 1 else ""
+    cells.append(f'<div class="tile"><b>{dead.min()}{most}</b>dead of {size.max()} people'
+                 f'{", from run to run" if most else " in each run" if len(dead) > 1 else ""}{of_all}</div>')
     return f'<div class="tiles">{"".join(cells)}</div>'
 
 
@@ -215,8 +217,19 @@ def parts_of(case, column):
     return ", ".join(f"{word} ({percent(count / counts.sum())} %)" for word, count in zip(words, counts) if word)
 
 
-def assumed(case):
-    """What was put in, as a table."""
+def assumed(*cases, keys=()):
+    """What was put in, as a table; of several cases each row that differs has a line for each value, with its settings."""
+    rows = {}
+    for case in cases:
+        for name, value in assumed_of(case):
+            rows.setdefault(name, {}).setdefault(value, []).append(label_of(case, keys))
+    cells = [[text(name), text(next(iter(values))) if len(values) == 1 and sum(map(len, values.values())) == len(cases) else "<br>".join(
+        f"{text(', '.join(labels))}: {text(value)}" for value, labels in values.items())] for name, values in rows.items()]
+    return table(["", f"by {text(', '.join(keys))}" if len(cases) > 1 else ""], cells, (0, 1))
+
+
+def assumed_of(case):
+    """[(what, value)] of what was put in, in words."""
     manifest = case.manifest()
     scene, run = manifest["resolved_scene"], case.runs[0]
     world, crowd = scene["world"], scene["crowd"]
@@ -256,12 +269,13 @@ def assumed(case):
              ["runs", f"{len(case.runs)}, seeds {min(case.seeds)} to {max(case.seeds)}" if len(case.runs) > 1 else
               f"1, seed {case.seeds[0]}"],
              ["program", f"Wade {manifest.get('version', '')}, commit {manifest.get('git_hash', '-')}"]]
-    return table(["", ""], [[text(name), text(value)] for name, value in rows], (0, 1))
+    return rows
 
 
-def beyond(case):
+def beyond(*cases):
     """What lies outside of what was measured, as a list."""
-    outcomes, people = [run.outcome for run in case.runs], len(case.people["run"])
+    outcomes, people = [run.outcome for case in cases for run in case.runs], sum(len(case.people["run"]) for case in cases)
+    by_body = any((case.people["worst_state"] != "").any() for case in cases)
     lines = []
     counted = [outcome["beyond_measured"] for outcome in outcomes if outcome.get("beyond_measured")]
     if counted:
@@ -282,10 +296,10 @@ def beyond(case):
     lines += [
         "Chance is in who the people are and how they walk. That the flood itself could be other than assumed is not in the "
         "ranges on this page; a sensitivity study tells that.",
-        "Children are computed as small adults. Panic, debris, vehicles, clothes and help from outside are not in it unless the "
-        "scene has them.",
-        "How soon people drown adrift is assumed: no source gives deaths against time adrift. Injuries and cold afterwards are not "
-        "counted."]
+        ("Children are computed as small adults. " if by_body else "") + "Panic, debris, vehicles, clothes and help from outside are "
+        "not in it unless the scene has them.",
+        ("How soon people drown adrift is assumed: no source gives deaths against time adrift. " if by_body else "People with a given "
+         "endurance do not drown: they die where the water carries them off the map. ") + "Injuries and cold afterwards are not counted."]
     return "<ul>" + "".join(f"<li>{text(line)}</li>" for line in lines) + "</ul>"
 
 
@@ -320,7 +334,7 @@ def draw_all(case, folder):
     x, z, _, _, over = sought(case)
     if len(x):
         density = density_of(x, z, scene["world"]["length_m"], scene["world"]["width_m"])
-        draw_map(scene, density, x, z, f"{len(x)} people of {len(case.runs)} runs", folder / "search.png")
+        draw_map(scene, density, x, z, f"{len(x)} people of {count_of(len(case.runs))}", folder / "search.png")
         files["search"] = folder / "search.png", [density.area(held) for held in (0.5, 0.9)], over, search_order(density)
     return files
 
@@ -332,15 +346,15 @@ def flows(case):
     return "" if scene.get("place") or channel["flow"] == "closed" else " The water flows to the left."
 
 
-def losses_html(case, file):
-    """Where and when people are lost: a map and two tables."""
+def losses_html(case, file, of=""):
+    """Where and when people are lost: a map and two tables. of: words behind the title."""
     squares, minutes = losses.by_square(case), losses.by_minute(case)
     if not squares:
-        return "<h2>Where people are lost</h2><p>No person is lost in these runs.</p>"
+        return f"<h2>Where people are lost{text(of)}</h2><p>No person is lost in these runs.</p>"
     shown = squares[: losses.MOST_ROWS]
     rest = f'<p class="small">{len(squares) - len(shown)} more squares hold the rest.</p>' if len(squares) > len(shown) else ""
     side = losses.SQUARE_M
-    return ("<h2>Where people are lost</h2>" + picture(file, "map of losses") + table(
+    return (f"<h2>Where people are lost{text(of)}</h2>" + picture(file, "map of losses") + table(
         ["x, m", "z, m", "lost a run", "of 100 lost", "runs with any"],
         [[f"{x:g} to {x + side:g}", f"{z:g} to {z + side:g}", f"{number:.2g}", percent(share), runs]
          for x, z, number, share, runs in shown], ()) + rest + "<h3>By time</h3>" + table(
@@ -349,7 +363,7 @@ def losses_html(case, file):
          for start, end, number, share, so_far in minutes], ()))
 
 
-def drifts_html(case):
+def drifts_html(case, of=""):
     """People adrift, and the lost at other hazards of drowning."""
     rows = drifts_rows(case)
     if not rows:
@@ -360,7 +374,7 @@ def drifts_html(case):
         parts += ["<h3>Lost at other hazards of drowning</h3>",
                   table(["", "hazard", "of all people"], [[text(cell) for cell in row] for row in lost], (0, 1)),
                   f'<p class="small">{text(HAZARD_NOTE)}</p>']
-    return "<h2>People adrift</h2>" + "".join(parts)
+    return f"<h2>People adrift{text(of)}</h2>" + "".join(parts)
 
 
 def case_html(case, level_title, changes):
@@ -370,9 +384,9 @@ def case_html(case, level_title, changes):
         parts = [f"<h2>{text(level_title)}</h2>" if level_title else "", first_words(case), tiles(case), stays_in_words(case)]
         parts += ["<h2>What the change brings</h2>", changes] if changes else []
         if files["run"]:
-            parts += ["<h2>One of the runs</h2>", picture(files["run"][0], "map of one run"),
-                      f'<p class="small">Seen from above, the run with seed {files["run"][1]}.{flows(case)} The other runs look '
-                      "alike but not the same.</p>"]
+            parts += [f"<h2>{'One of the runs' if len(case.runs) > 1 else 'The run'}</h2>", picture(files["run"][0], "map of one run"),
+                      f'<p class="small">Seen from above, the run with seed {files["run"][1]}.{flows(case)}'
+                      f'{" The other runs look alike but not the same." if len(case.runs) > 1 else ""}</p>']
         parts += ["<h2>Who</h2>", bars(case), "<h2>When</h2>", picture(files["curves"], "curves over time"),
                   '<p class="small">Left: how many have arrived and died by each time.'
                   + (" Middle: how many have been taken off their feet, and have arrived without that; green, of those still "
@@ -416,17 +430,28 @@ def comparison_html(first, second):
             + (f'<p class="warn">{text(told)}</p>' if (told := verdict(first, second)) else ""))
 
 
+def open_range(cases):
+    """The people without an end yet by kind, from the least to the most of all settings, and what would tell; "" if all have one."""
+    shares = []
+    for kind in open_kinds(*cases):
+        of_cases = [open_kinds(case).get(kind, 0) for case in cases]
+        most = "" if min(of_cases) == max(of_cases) else f" to {percent(max(of_cases))}"
+        shares.append(f"{percent(min(of_cases))}{most} % {kind}")
+    return f"Without an end yet at the end of the runs, by setting: {', '.join(shares)}. {what_decides(*cases)}" if shares else ""
+
+
 def values_html(cases, comparisons):
-    """All of three cases and more: one figure, one table, what each changes, and what was assumed for the first."""
+    """All of three cases and more: one figure, one table, what each changes, losses of the first, and what was assumed."""
     keys, fates = told_apart_by(cases), fates_of(*cases)
-    head = ", ".join(key.rpartition("/")[2] for key in keys)
+    head, name_of_first = ", ".join(keys), named(cases[0], keys)
     rows = [[text(label_of(case, keys)), len(case.runs),
              *(in_hundred(share_where(case, having(case.people, fate))) for fate in fates)] for case in cases]
     with tempfile.TemporaryDirectory(prefix="wade-report-") as name:
         draw_values(cases, keys, Path(name) / "values.png")
         if cases[0].people["dead"].any():
             losses.draw(cases[0], Path(name) / "losses.png")
-        of_first = f"<h2>{text(label_of(cases[0], keys))}</h2>{losses_html(cases[0], Path(name) / 'losses.png')}{drifts_html(cases[0])}"
+        of = f" with the first setting, {name_of_first}"
+        of_first = losses_html(cases[0], Path(name) / "losses.png", of) + drifts_html(cases[0], of)
         parts = [picture(Path(name) / "values.png", "shares over the values"), table([text(head), "runs", *fates], rows)]
     changes = []
     for first, second in comparisons:
@@ -436,12 +461,14 @@ def values_html(cases, comparisons):
         needed = lost.refused if lost.per_low is None else f"{lost.per:.3g} ({lost.per_low:.3g} to {lost.per_high:.3g})"
         changes.append([text(label_of(second, keys)), *cells, text(needed)])
     if changes:
-        parts += [f"<h2>What each changes against {text(label_of(cases[0], keys))}, of 100</h2>",
+        parts += [f"<h2>What each changes against {text(name_of_first)}, of 100</h2>",
+                  f"<p>{text(FIRST_AND_SECOND.format(name_of_first).replace('*', ''))}</p>",
                   table([text(head), *(ROWS[fate] for fate in (SAFE, LOST, LEAST, MOST)), "people for one more"], changes, (0, 5))]
-    warns = dict.fromkeys(filter(None, (what_decides(case) for case in cases)))
-    return "".join([*(f'<p class="warn">{text(warn)}</p>' for warn in warns), *parts, stays_in_words(cases[0]), of_first,
-                    f"<h2>What was assumed{f' for {text(label_of(cases[0], keys))}' if keys else ''}</h2>", assumed(cases[0]),
-                    "<h2>What lies outside of what is known</h2>", beyond(cases[0]),
+    warn = open_range(cases)
+    return "".join([f'<p class="warn">{text(warn)}</p>' if warn else "", *parts,
+                    stays_in_words(min(cases, key=lambda case: len(case.runs))), of_first,
+                    "<h2>What was assumed</h2>", assumed(*cases, keys=keys),
+                    "<h2>What lies outside of what is known</h2>", beyond(*cases),
                     "<h2>What the words mean</h2>", glossary(*cases)])
 
 

@@ -140,8 +140,9 @@ def share_of(counts, people):
 
 
 def share_of_runs(successes, runs):
-    """Exact interval (Clopper and Pearson 1934) of a share of runs, which are independent."""
-    tail, others = (1 - LEVEL) / 2, runs - successes
+    """Exact interval (Clopper and Pearson 1934) of a share of runs, which are independent; one-sided of none and of all."""
+    others = runs - successes
+    tail = (1 - LEVEL) / (2 if successes and others else 1)
     low = 0.0 if successes == 0 else float(special.betaincinv(successes, others + 1, tail))
     high = 1.0 if others == 0 else float(special.betaincinv(successes + 1, others, 1 - tail))
     return low, high

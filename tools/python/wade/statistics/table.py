@@ -13,7 +13,7 @@ import numpy as np
 from wade import UsageError, progress
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0, some_of
-from wade.reports.tables import document, listed, markdown, section, write_csv
+from wade.reports.tables import count_of, document, listed, markdown, section, write_csv
 from wade.statistics import drifts, losses
 from wade.statistics.ensemble import (BY, FLOODED, IN_A_HOUSE, LOST, NO_END, SQUARE_M, classes, fates_of, having, open_kinds,
                                       read_ensemble)
@@ -35,10 +35,12 @@ EPILOG = """Exit code: 0, or 2 for bad usage or a folder without complete runs."
 
 
 def percent(value):
-    """A share as "8.3", of few more digits near 0 and 100."""
+    """A share as "8.3", of few more digits near 0 and 100, which stand for none and all but for errors of sums."""
+    value = round(value, 9)
     if 0.001 <= value <= 0.999 or value in (0, 1):
         return f"{100 * value:.1f}"
-    return f"{100 * value:.2g}" if value < 0.5 else f"{100 * value:.2f}"
+    near = float(f"{100 * min(value, 1 - value):.2g}")
+    return f"{near:g}" if value < 0.5 else f"{100 - near:.10g}"
 
 
 def in_words(share, notes):
@@ -55,14 +57,27 @@ def limit_words(share):
     return f"{'above' if share.runs_with_any else 'below'} {percent(share.limit)} %"
 
 
+def of_runs(successes, runs):
+    """"10.2 to 40.0 %" of a share of runs, "below 63.2 %" of none, "above 36.8 %" of all."""
+    low, high = share_of_runs(successes, runs)
+    return f"below {percent(high)} %" if successes == 0 else f"above {percent(low)} %" if successes == runs else \
+        f"{percent(low)} to {percent(high)} %"
+
+
+def spread_words(counts, size):
+    """"3 to 8 of 20 a run"; one number where all runs have it."""
+    most = "" if counts.min() == counts.max() else f" to {counts.max()}"
+    return f"{counts.min()}{most} of {size.mean():g}" + (" a run" if len(counts) > 1 else "")
+
+
 def refusal_words(share):
     """Why there is no interval, and what is known of runs instead."""
-    if share.refused == "nobody":
-        return "nobody"
+    if share.refused == "nobody" or share.runs == 1:
+        return share.refused
     rare = share.runs_with_any <= share.runs_with_other
-    low, high = share_of_runs(share.runs_with_any if rare else share.runs_with_other, share.runs)
+    of_any = of_runs(share.runs_with_any if rare else share.runs_with_other, share.runs)
     known = "it happens to somebody" if rare else "somebody is left out"
-    return f"{share.refused}; in {percent(low)} to {percent(high)} % of runs {known} (95 %)"
+    return f"{share.refused}; in {of_any} of runs {known} (95 %)"
 
 
 class Notes:
@@ -107,17 +122,32 @@ def rows_of(case, bys, width):
                        why_not, share.runs_with_any, *share_of_runs(share.runs_with_any, share.runs), needed)
 
 
+def why_no_class(case, by):
+    """Why people are in no class, and the remedy, in words."""
+    column = {"start": "start_x_m"}.get(by, by)
+    if any(column not in run.columns for run in case.runs):
+        return f"agents.csv has no column {column}; run them again with this version."
+    if by == "skill":
+        measured = case.manifest()["resolved_scene"]["crowd"].get("response") == "measured"
+        return "they have a given endurance tau and no skill; allowed: " + (
+            "groups without tau." if measured else "runs with --set /crowd/response=measured and groups without tau.")
+    return f"{column} is empty in agents.csv."
+
+
 def class_table(case, by):
-    """The Markdown table of one way to tell people apart; "" where agents.csv is older than that."""
+    """The Markdown table of one way to tell people apart, with the people that are in no class and the reason."""
     rows = shares_of(case, by)
+    outside = int((~np.logical_or.reduce([here for _, here in classes(case, by)] or [np.zeros(len(case.people["run"]), bool)])).sum())
+    why = f"By {by}: {outside} of {len(case.people['run'])} people are in no class: {why_no_class(case, by)}\n" if outside else ""
     if not rows:
-        return f"By {by}: agents.csv of these runs does not have it; run them again with this version.\n"
+        return why
     notes, lines, fates = Notes(), [], fates_of(case)
     for name, of_fate in rows:
         first = of_fate[fates[0]][2]
         lines.append([name, first.runs, first.people, *(in_words(of_fate[fate][2], notes) for fate in fates)])
     title = "" if by == "all" else by
-    return markdown([title, "runs", "people", *fates], lines) + ("\n" + notes.text() if notes.lines else "")
+    below = notes.text() + (f"\n{why}" if why else "")
+    return markdown([title, "runs", "people", *fates], lines) + ("\n" + below if below else "")
 
 
 def stop_text(case, width):
@@ -144,8 +174,8 @@ def fn_text(case):
     deaths = case.counts(case.people["dead"])
     rows = fn_curve(deaths)
     kept = rows if len(rows) <= 12 else [rows[k] for k in np.unique(np.linspace(0, len(rows) - 1, 12).round().astype(int))]
-    lines = [[number, f"{percent(share)} %", f"{percent(low)} to {percent(high)} %"] for number, share, low, high in kept]
-    return (f"Share of the {len(deaths)} runs in which N people or more die, exact interval of each N by itself.\n\n"
+    lines = [[number, f"{percent(share)} %", of_runs(round(share * len(deaths)), len(deaths))] for number, share, _, _ in kept]
+    return (f"Share of {count_of(len(deaths))} in which N people or more die, exact interval of each N by itself.\n\n"
             + markdown(["N", "runs with N dead or more", "95 %"], lines))
 
 
@@ -162,6 +192,8 @@ def pairs_of(first, second):
     return chosen
 
 
+FIRST_AND_SECOND = ("First: {}. Second: the setting of the row. Runs of the same seed are pairs. *Lost, at least* and *at most*: if of "
+                    "those without an end yet all were lost in the first and none in the second, and the reverse.")
 SAFE = "safe"
 # Changes if all people without an end yet are lost in the first ensemble and none in the second, and the reverse.
 LEAST, MOST = "lost, at least", "lost, at most"
@@ -314,9 +346,8 @@ def deaths_line(case):
     why = f" No interval: {refusal_words(share)}." if share.low is None and share.limit is None else ""
     interval = f" ({percent(share.low)} to {percent(share.high)})" if share.low is not None else (
         f" ({limit_words(share)})" if share.limit is not None else "")
-    runs = "1 run" if len(case.runs) == 1 else f"{len(case.runs)} runs"
-    return (f"{runs} with {share.people} people in all: {percent(share.mean)} %{interval} die, {counts.min()} to "
-            f"{counts.max()} of {size.mean():g} a run.{why}\n")
+    return (f"{count_of(len(case.runs))} with {share.people} people in all: {percent(share.mean)} %{interval} die, "
+            f"{spread_words(counts, size)}.{why}\n")
 
 
 def losses_text(case):
@@ -399,6 +430,11 @@ def varied_keys(cases):
     return [key for key in keys if len({json.dumps(case.settings.get(key)) for case in cases}) > 1]
 
 
+def named(case, keys):
+    """What tells a case from others in a sentence or heading: "/fluid/cfl 0.2", or its name."""
+    return ", ".join(f"{key} {label_of(case, [key])}" for key in keys) or case.name
+
+
 def label_of(case, keys):
     """What tells a case from others: the values of these keys, or its name."""
     values = [case.settings.get(key) for key in keys]
@@ -431,14 +467,14 @@ def cases_section(cases, comparisons, picture):
         of_fate = shares_of(case, "all")[0][1]
         cells = [in_words(of_fate[fate][2], notes) if fate in of_fate else "-" for fate in fates]
         lines.append([label_of(case, keys), len(case.runs), len(case.people["run"]), *cells])
-    head = ", ".join(key.rpartition("/")[2] for key in keys)
+    head = ", ".join(keys)
     changes = []
     for first, second in comparisons:
         of_fate = {fate: result for _, fate, result in compare(first, second, "all") if fate in SUMS}
         cells = [f"{100 * result.difference:+.1f}{interval_words(result)}" for result in of_fate.values()]
         lost = of_fate[LOST]
         changes.append([label_of(second, keys), *cells, lost.refused if lost.per_low is None else f"{lost.per:.3g}"])
-    against = [f"Change against {label_of(cases[0], keys)}, in points of per cent, with t intervals of 95 % over pairs of one seed.",
+    against = [f"{FIRST_AND_SECOND.format(named(cases[0], keys))} Changes in points of per cent, with t intervals of 95 %.",
                markdown([head, *SUMS, "people for one more"], changes)] if changes else []
     return "\n".join([section("All settings", markdown([head, "runs", "people", *fates], lines), notes.text(), picture),
                       section("What each changes", *against)])

@@ -13,7 +13,7 @@ import numpy as np
 from wade import UsageError, plain_file
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0
-from wade.reports.tables import document, markdown, section, write_csv
+from wade.reports.tables import count_of, document, markdown, section, write_csv
 from wade.statistics.ensemble import SWEPT_AWAY, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, drift, search_order, start_drift
 from wade.states import MISSING
@@ -155,8 +155,8 @@ def look(case, options, file):
     x, z, run, dead, over = sought(case)
     lost = f" {over} were carried off the map." if over else ""
     if len(x) == 0:
-        return section(case.name, f"Nobody is to be looked for on this map in {len(case.runs)} runs.{lost}"), []
-    words = (f"{len(case.runs)} runs, {len(x)} people in {len(set(run.tolist()))} of them: {int(dead.sum())} dead, "
+        return section(case.name, f"Nobody is to be looked for on this map in {count_of(len(case.runs))}.{lost}"), []
+    words = (f"{count_of(len(case.runs))}, {len(x)} people in {len(set(run.tolist()))} of them: {int(dead.sum())} dead, "
              f"{len(x) - int(dead.sum())} missing as the runs end.{lost}")
     if options.drift_s:
         x, z, stranded, gone, source = drifted(case, scene, x, z, options.drift_s)
@@ -166,7 +166,7 @@ def look(case, options, file):
     world = scene["world"]
     density = density_of(x, z, world["length_m"], world["width_m"])
     rows = search_order(density)
-    draw(scene, density, x, z, f"{case.name}: {len(x)} people of {len(case.runs)} runs", file)
+    draw(scene, density, x, z, f"{case.name}: {len(x)} people of {count_of(len(case.runs))}", file)
     areas = "; ".join(f"{100 * held:.0f} % within {density.area(held):,.0f} m2" for held in HELD)
     everything = world["length_m"] * world["width_m"]
     return section(case.name, words, f"{areas}, of {everything:,.0f} m2 of the map.", table_of(rows),
