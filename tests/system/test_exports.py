@@ -9,14 +9,17 @@ import csv
 import functools
 import importlib.util
 import io
+import itertools
 import json
 import os
 import re
 import shutil
 import sqlite3
 import struct
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -585,6 +588,34 @@ class Rendered(ExportTest):
             self.assert_refused_here("render", RUN, "--time", "1", texts=["apt-get install blender"])
         self.assert_refused_here("render", self.folder, "--time", "1", texts=["is no run folder"])
         self.assert_refused_here("render", RUN, "--time", "1", "--eye", "1,2", texts=["--eye", "x,y,z"])
+
+
+class Interrupted(ExportTest):
+    def interrupted(self, number, moment):
+        """(exit code, stderr) of an export that gets a signal as soon as moment(its id) is true."""
+        command = [ROOT / "tools" / "wade", "export", RUN, "--water", RECORDING, "--to", "csv", "--out", self.out]
+        with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as program:
+            while program.poll() is None and not moment(program.pid):
+                time.sleep(0.001)
+            program.send_signal(number)
+            return program.wait(60), program.stderr.read()
+
+    def test_a_signal_ends_an_export_in_one_line_and_leaves_nothing(self):
+        def among_imports(pid):
+            caught = re.search(r"SigCgt:\s*(\w+)", Path(f"/proc/{pid}/status").read_text())
+            return caught and int(caught[1], 16) >> (signal.SIGHUP - 1) & 1  # the last one that is set
+
+        def at_work(_):
+            return any(self.out.glob(".part-*/*"))
+
+        for number, moment in itertools.product((signal.SIGINT, signal.SIGTERM, signal.SIGHUP), (among_imports, at_work)):
+            with self.subTest(signal=number.name, moment=moment.__name__):
+                code, said = self.interrupted(number, moment)
+                self.assertEqual(code, 128 + number)
+                self.assertNotIn("Traceback", said)
+                self.assertEqual(said.count("interrupted"), 1, said)
+                self.assertRegex(said.splitlines()[-1], f"^wade( export)?: interrupted by {number.name}$")
+                self.assertFalse(self.out.exists())
 
 
 class Refusals(ExportTest):

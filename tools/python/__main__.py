@@ -2,6 +2,14 @@
 
 import sys
 
-from wade.cli import main
+from wade import interrupts
 
-sys.exit(main(sys.argv[1:]))
+interrupts.raise_on_signals()  # before what takes its time to import
+try:
+    from wade.cli import main
+
+    code = main(sys.argv[1:])
+except KeyboardInterrupt as interrupt:
+    print(f"wade: {interrupts.words(interrupt)}", file=sys.stderr)
+    code = interrupts.exit_code(interrupt)
+sys.exit(code)

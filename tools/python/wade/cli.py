@@ -6,7 +6,7 @@ import sys
 
 from wade.building import BuildError, bring_up_to_date, install_pictures, installing_pictures
 from wade.commands import all_commands, commands_by_purpose, find_command
-from wade import UsageError
+from wade import UsageError, interrupts
 from wade.paths import CONFIGS, INSTALLED, ROOT
 from wade.progress import Teller
 from wade.run.arguments import asks_for_help
@@ -72,8 +72,10 @@ def main(arguments):
     except BuildError:
         say_error("wade: the build failed; the messages above say why")
         return 1
-    except KeyboardInterrupt:
-        return 130
+    except KeyboardInterrupt as interrupt:
+        if arguments[:1] != ["--module"]:  # a part of a command, which tells of it
+            say_error(f"wade{''.join(f' {name}' for name in arguments[:1])}: {interrupts.words(interrupt)}")
+        return interrupts.exit_code(interrupt)
     except BrokenPipeError:  # whoever read what is printed has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         return 141

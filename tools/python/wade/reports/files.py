@@ -30,10 +30,10 @@ def whole_file(file):
 @contextlib.contextmanager
 def whole_folder(folder):
     """Gives a folder to write files in. They move to `folder` at the end; an error leaves none of them there."""
-    folder.mkdir(parents=True, exist_ok=True)
+    is_new = not folder.exists()
     part = folder / f".part-{secrets.token_hex(6)}"
-    part.mkdir()
     try:
+        part.mkdir(parents=True)
         yield part
         files = sorted(part.iterdir())
         for file in files:
@@ -42,6 +42,9 @@ def whole_folder(folder):
             file.replace(folder / file.name)
     finally:
         shutil.rmtree(part, ignore_errors=True)
+        if is_new:
+            with contextlib.suppress(OSError):  # files are in it
+                folder.rmdir()
 
 
 def to_disk(file):

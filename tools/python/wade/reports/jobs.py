@@ -5,7 +5,6 @@ program or its inputs have changed, not if a commit has.
 import hashlib
 import os
 import re
-import signal
 import subprocess
 import threading
 import time
@@ -13,32 +12,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from wade import plain_file, progress
+from wade import interrupts, plain_file, progress
 from wade.reports.files import complain, say
-
-class Ended(KeyboardInterrupt):
-    """A signal asked the command to end; handled as if the user had pressed Ctrl-C."""
-
-    code = 128 + signal.SIGTERM
-
-
-def end_children_on_signals():
-    """SIGTERM and SIGHUP end the command as Ctrl-C does: the children too, and what there is gets reported."""
-
-    def end(_number, _frame):
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        signal.signal(signal.SIGHUP, signal.SIG_IGN)
-        raise Ended
-
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) == signal.SIG_DFL:  # not under nohup
-            signal.signal(number, end)
 
 
 def exit_code(interrupt):
     """The exit code of an interrupted command, which is told how to go on."""
     complain("interrupted; the same command goes on from here")
-    return interrupt.code if isinstance(interrupt, Ended) else 128 + signal.SIGINT
+    return interrupts.exit_code(interrupt)
 
 
 @dataclass(frozen=True)

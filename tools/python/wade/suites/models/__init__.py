@@ -14,7 +14,7 @@ from wade import UsageError
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import publish, say, write_whole
-from wade.reports.jobs import Fingerprints, end_children_on_signals, exit_code
+from wade.reports.jobs import Fingerprints, exit_code
 from wade.reports.machine import machine_line
 from wade.reports.tables import document, section
 from wade.suites import cases as known_cases
@@ -84,7 +84,6 @@ def write_report(chosen, outcomes):
 
 def main(arguments):
     chosen = parse(arguments)
-    end_children_on_signals()
     try:
         outcomes = compare_cases(chosen)
     except KeyboardInterrupt as interrupt:

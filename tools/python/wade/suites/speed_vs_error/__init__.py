@@ -15,7 +15,7 @@ from wade import progress
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import complain, publish, say
-from wade.reports.jobs import Fingerprints, end_children_on_signals, exit_code
+from wade.reports.jobs import Fingerprints, exit_code
 from wade.suites import cases as known_cases
 from wade.suites.speed_vs_error import report
 from wade.suites.speed_vs_error.measure import Runner, make_reference, of_seeds
@@ -139,12 +139,10 @@ def write_results(chosen, measured, remarks):
 def main(arguments):
     chosen = parse(arguments)
     if chosen.splishsplash:
-        end_children_on_signals()
         sys.path.append(str(ROOT / "tests" / "validation"))  # its cases stand beside the truths
         from wade.suites.speed_vs_error import beside_splishsplash
         return beside_splishsplash.main(chosen)
     program = BUILD / "validate"
-    end_children_on_signals()
     there = {case.name: case for case in known_cases.list_cases(program)}
     try:
         if chosen.reference:

@@ -11,7 +11,7 @@ import subprocess
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import complain, publish, say
-from wade.reports.jobs import Fingerprints, Job, do_all, end_children_on_signals, read_result
+from wade.reports.jobs import Fingerprints, Job, do_all, read_result
 from wade.suites.stability import report, results
 
 INPUTS = ("configs/stability/*.json", "tests/stability/scenes.json", "configs/scene.schema.json")
@@ -42,7 +42,6 @@ def job_of(case, name, form, folder, fingerprint):
 
 def main(arguments):
     chosen = parse(arguments)
-    end_children_on_signals()
     program = BUILD / "stability"
     lines = subprocess.run([program, "--list"], check=True, capture_output=True, text=True).stdout.splitlines()
     cases = [results.Case(line) for line in lines if line]

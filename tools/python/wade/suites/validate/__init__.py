@@ -20,7 +20,7 @@ from pathlib import Path
 from wade.paths import BUILD, ROOT
 from wade.reports import options
 from wade.reports.files import complain, publish, say
-from wade.reports.jobs import Fingerprints, Job, do_all, end_children_on_signals
+from wade.reports.jobs import Fingerprints, Job, do_all
 from wade.suites import cases as known_cases
 from wade.suites.validate import report, results
 
@@ -77,7 +77,6 @@ def job_of(case, level, chosen, fingerprint):
 
 def main(arguments, suite=WATER):
     chosen = parse(arguments, suite)
-    end_children_on_signals()
     everything = known_cases.list_cases(BUILD / "validate")
     cases = everything if chosen.cases else [case for case in everything if suite.has(case.name)]
     if chosen.list:
