@@ -1,0 +1,1 @@
+"""Import of sites: terrain and houses of any format that GDAL reads."""
