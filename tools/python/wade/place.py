@@ -21,10 +21,11 @@ import math
 import pathlib
 
 from wade import UsageError
-from wade.imports.gdal import PACKED, Layer, called, demand_plain_files
+from wade.imports.gdal import GDAL, PACKED, Layer, called, demand_plain_files
 from wade.imports.ground import HIGHEST, LOWEST, Raster, heights_of, import_ground, system_for
 from wade.imports.houses import import_houses
 from wade.imports.notes import Notes
+from wade.outside import require
 from wade.reports.files import whole_folder, write_whole
 from wade.run.folders import file_name
 from wade.terminal import Parser, say_error
@@ -86,6 +87,7 @@ def demand_replaceable(out, inputs):
 
 def read_inputs(files, wanted_layer):
     """Returns the rasters of heights among the files, and the layers of houses of the others."""
+    require("gdalinfo", GDAL)
     rasters, layers = [], []
     for path in files:
         if not path.exists():

@@ -8,7 +8,6 @@ import signal
 import subprocess
 
 from wade import UsageError, plain_file, progress
-from wade.outside import require
 
 GDAL = "this command needs GDAL's programs: apt-get install gdal-bin (Fedora: gdal, Homebrew: gdal)"
 PACKED = (".gz", ".zip", ".bz2", ".xz", ".zst", ".7z", ".rar", ".tar", ".tgz")
@@ -51,7 +50,6 @@ def demand_plain_files(path):
 
 def raster_info(path):
     """Returns what gdalinfo tells of a raster. Raises UsageError if the file is none."""
-    require("gdalinfo", GDAL)
     text = call("gdalinfo", "-json", path)
     try:
         info = json.loads(text)
