@@ -166,6 +166,24 @@ TEST_CASE("A door into a wall is refused by its house") {
     CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("is 5 m from the walls"));
 }
 
+TEST_CASE("Fewer than three cells across the houses are told of with the cells that are enough") {
+    const auto told = [](double cell, double wide, int residents) {
+        Scene scene = one_house(residents);
+        scene.place->houses[0].polygon = box(10, 10 + wide, 10, 28);
+        scene.fluid->model = ModelKind::shallow_water;
+        scene.fluid->shallow_water.cell_size = cell;
+        std::string text;
+        for (const std::string& warning : make_crowd(scene).warnings) {
+            if (warning.find("across a house") != std::string::npos) text += warning;
+        }
+        return text;
+    };
+    CHECK(told(3, 9, 1).empty());
+    CHECK_THAT(told(4, 9, 1), Catch::Contains("cells of 4 m, 2.2 of them") && Catch::Contains("cell_size_m 3 or less"));
+    CHECK_FALSE(told(3, 6, 1).empty());
+    CHECK(told(4, 9, 0).empty());
+}
+
 TEST_CASE("A hundred thousand residents are made, and who is indoors costs no step") {
     Scene scene = one_house(0);
     scene.world = {.length = 1000, .width = 1000};
