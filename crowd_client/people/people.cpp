@@ -99,6 +99,12 @@ double speed_of_firm_feet(const People& people, std::size_t id, double mass, con
     return std::sqrt(keeps_below / demand);
 }
 
+// Returns a motion without what legs and means lag behind as the water gets deeper: no faster than firm feet allow.
+Vector2d firm_part_of(const Vector2d& motion, double most) {
+    const double squared = motion.squaredNorm();
+    return squared > most * most ? Vector2d(most / std::sqrt(squared) * motion) : motion;
+}
+
 // Returns true if the next state depends on D at rest.
 bool asks_for_rest(PersonState state) {
     return !is_on_feet(state) && state != PersonState::toppled;
@@ -109,11 +115,13 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     const double height = people.height[id], depth = people.depth[id], wet = std::min(depth, height);
     const double k = drag_upright(height, depth, water, people.drag[id]);
     const Vector2d stream = mean_stream(people, id);
+    const double most = speed_of_firm_feet(people, id, mass, water);
+    const bool slides = people.condition[id].state == PersonState::sliding;  // moves with the stream, not by its legs
     Strain e;
     e.weight = weight_on_feet(body_of(people, id, mass), depth, water);
-    e.slip = slip_demand(k, stream, people.wanted[id], friction_of(people, id), e.weight);
+    e.slip = slip_demand(k, stream, firm_part_of(people.wanted[id], most), friction_of(people, id), e.weight);
     e.rush = rush_demand(depth, stream);
-    e.moment = 0.5 * k * (stream - velocity).squaredNorm() * wet;
+    e.moment = 0.5 * k * (stream - (slides ? velocity : firm_part_of(velocity, most))).squaredNorm() * wet;
     e.height = height;
     e.arm = arm_of(people, id);
     if (asks_for_rest(people.condition[id].state)) {
