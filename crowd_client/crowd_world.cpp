@@ -156,9 +156,12 @@ void go_straight(CrowdWorld& crowd) {
 void solve_fields(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     if (crowd.navigation.place) {
-        if (!are_place_ways_due(crowd.navigation, step.number)) return;
-        update_place_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
-        return note_depth_at_doors(crowd);
+        if (are_place_ways_due(crowd.navigation, step.number)) {
+            update_place_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
+            note_depth_at_doors(crowd);
+        }
+        if (!crowd.active.empty()) solve_due_ways(crowd.navigation, crowd.threads);
+        return;
     }
     if (!is_due(crowd.navigation, step.number)) return;
     go_straight(crowd);

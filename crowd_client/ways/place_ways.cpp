@@ -98,7 +98,7 @@ void solve_fields(Navigation& navigation, int threads) {
         WayField& field = navigation.fields[i];
         add_starts(navigation, field);
         const GroupWays& group = place.groups[i / 2];
-        if (field.is_solved() && i % 2 == 1 && !place.is_stale) continue;  // no water, and the same shelters
+        if (field.is_solved() && i % 2 == 1 && !place.have_shelters_changed) continue;  // no water
         if (i % 2 == 1 && !group.has_unwarned) continue;
         const bool knows = i % 2 == 0 && !group.slowness.empty();
         march(field.travel, field.memory, navigation.grid, knows ? group.slowness : place.dry, field.starts);
@@ -299,8 +299,16 @@ void update_place_ways(Navigation& navigation, const Scene& scene, const WaterBi
     for (std::ptrdiff_t g = 0; g < n; ++g) {
         find_wet_slowness(navigation, place.groups[static_cast<std::size_t>(g)], properties);
     }
-    solve_fields(navigation, threads);
+    place.have_shelters_changed |= place.is_stale;
     place.is_stale = false;
+    place.are_fields_due = true;
+}
+
+void solve_due_ways(Navigation& navigation, int threads) {
+    PlaceWays& place = *navigation.place;
+    if (!place.are_fields_due) return;
+    solve_fields(navigation, threads);
+    place.are_fields_due = place.have_shelters_changed = false;
 }
 
 void steer_in_place(Navigation& navigation, const Agents& agents, std::span<const std::uint32_t> active,

@@ -41,11 +41,14 @@ inline constexpr double shelter_reach = 1;  // within which one is at a shelter,
 // without a way.
 [[nodiscard]] Navigation make_place_ways(const Scene& scene, const Agents& agents);
 
-// Whether the ways are solved anew in this step, which needs the water of all the place.
+// Whether the ways take in the water of this step, that of all the place.
 [[nodiscard]] bool are_place_ways_due(const Navigation& navigation, std::uint64_t step);
 
-// Solves them for this water.
+// Takes in this water, for which the fields become due.
 void update_place_ways(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads);
+
+// Solves the fields if they are due. While all people are indoors none is needed.
+void solve_due_ways(Navigation& navigation, int threads);
 
 // Turns goal_offsets, m, into the ways that the active agents take, and notes who waits.
 void steer_in_place(Navigation& navigation, const Agents& agents, std::span<const std::uint32_t> active,

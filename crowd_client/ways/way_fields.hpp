@@ -59,6 +59,8 @@ struct PlaceWays {
     PlacedHouses shelters;
     std::vector<std::size_t> capacity, taken;  // by shelter; of `taken` the last is high ground
     bool is_stale = false;                     // a shelter has become full
+    bool are_fields_due = false;               // the fields are of an older water than the slowness
+    bool have_shelters_changed = false;        // since the fields were solved
     std::vector<std::vector<std::pair<std::uint32_t, double>>> starts;  // by shelter, nodes round it
     std::vector<std::pair<std::uint32_t, double>> high_ground;
 

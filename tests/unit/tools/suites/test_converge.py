@@ -7,7 +7,7 @@ from pathlib import Path
 from unittest import mock
 
 from wade import progress
-from wade.suites.converge import COLUMNS, compared, measures_of, people_verdict, report, settings_of, tell_how_far, verdict
+from wade.suites.converge import COLUMNS, compared, counts, measures_of, people_verdict, report, settings_of, tell_how_far, verdict
 from wade.suites.converge.cases import CASES, WALKING, Case, rates
 
 
@@ -58,7 +58,9 @@ class Table(unittest.TestCase):
         self.assertEqual(settings["reference", ""], {"/frame_rate_hz": 30, "/crowd/step_rate_hz": 30})
         self.assertEqual(settings["rate, 1/s", "8"], {"/frame_rate_hz": 8, "/crowd/step_rate_hz": 8})
         people = {1: [person()], 2: [person("dead", 5)]}
-        rows = list(compared(case, {("reference", ""): people, ("rate, 1/s", "8"): people}))
+        rows = list(compared(case, {("reference", ""): people, ("rate, 1/s", "8"): people}, lambda *_: True))
+        self.assertEqual({row["warned"] for row in rows}, {"yes"})
+        self.assertEqual(counts(rows), (0, 0, 0, 0, 6, 0))
         self.assertEqual({row["verdict"] for row in rows}, {"equal"})
         self.assertTrue(all(set(row) <= set(COLUMNS) for row in rows))
 

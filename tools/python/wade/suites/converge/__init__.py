@@ -179,15 +179,15 @@ def draw(case, rows, file):
     save(figure, file)
 
 
-def compared(case, found):
-    """The rows of the table."""
+def compared(case, found, warned_of=is_warned):
+    """The rows of the table. warned_of(case, factor, settings): whether `--check` warns."""
     reference = found["reference", ""]
     settings = settings_of(case)
     for (factor, value), runs in found.items():
         if factor == "reference":
             continue
         has_limit = case.factor(factor) in case.factors
-        warned = has_limit and not case.quick and is_warned(case, case.factor(factor), settings[factor, value])
+        warned = has_limit and not case.quick and warned_of(case, case.factor(factor), settings[factor, value])
         start = {"scene": case.name, "factor": factor, "value": value, "seeds": len(runs), "warned": "yes" if warned else "",
                  "reference": case.factor(factor).word(case.factor(factor).reference)}
         if case.quick and has_limit:
