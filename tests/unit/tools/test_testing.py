@@ -32,7 +32,7 @@ class Choice(unittest.TestCase):
                 mock.patch.object(testing.os, "execvp", return_value=8) as ctest, mock.patch.dict(testing.os.environ):
             self.assertEqual(testing.main(["--all"]), 8)
         self.assertEqual([call.args for call in install.call_args_list],
-                         [("build", "pictures", "tests"), ("viewer",), ("readers",), ("engines",)])
+                         [("build", "pictures", "tests"), ("viewer",), ("readers",), ("engines",), ("builds",)])
         build.assert_called_once_with((), with_tests=True)
         ctest.assert_called_once_with("ctest", ["ctest", *COMMON])
 
