@@ -192,7 +192,10 @@ RasterFile read_esri_ascii(std::string_view text, const std::string& name) {
 
 std::string fault_of_metadata(std::string_view text) {
     for (std::size_t begin = text.find('<'); begin != std::string_view::npos; begin = text.find('<', begin + 1)) {
-        const std::size_t end = std::min(text.find('>', begin), text.size());
+        const std::size_t end = std::min(text.find_first_of("<>", begin + 1), text.size());
+        if (end == text.size() || text[end] == '<')
+            return "its metadata are no XML: \"" + std::string(text.substr(begin, 40)) + "\" is not closed by >. " +
+                   import_words();
         const std::string tag = lower(text.substr(begin + 1, end - begin - 1));
         std::string name = tag.substr(0, tag.find_first_of(" \t\r\n/"));
         if (name == "item") name = role_of(tag);
@@ -213,7 +216,8 @@ void read_files_beside(const std::filesystem::path& file, RasterFile& raster, bo
         throw ConfigurationError(beside(".msk").string() + ": it masks cells of the raster; allowed: none. " +
                                  import_words());
     if (const auto pam = beside(".aux.xml"); std::filesystem::exists(pam, ignored)) {
-        if (const std::string fault = fault_of_metadata(read_text_file(pam, "the file " + pam.string()));
+        constexpr std::size_t longest = std::size_t{4} << 20;  // [A] GDAL's histograms and statistics fill some kB
+        if (const std::string fault = fault_of_metadata(read_text_file(pam, "the file " + pam.string(), longest));
             !fault.empty())
             throw ConfigurationError(pam.string() + ": " + fault);
     }
@@ -222,7 +226,7 @@ void read_files_beside(const std::filesystem::path& file, RasterFile& raster, bo
         std::filesystem::path system = file;
         system.replace_extension(ending);
         if (!std::filesystem::exists(system, ignored)) continue;
-        raster.epsg = epsg_of_text(read_text_file(system, "the file " + system.string()));
+        raster.epsg = epsg_of_text(read_text_file(system, "the file " + system.string(), std::size_t{1} << 20));
         if (!raster.epsg)
             throw ConfigurationError(system.string() +
                                      ": it spells the raster's coordinate system and gives no EPSG number of it; " +

@@ -137,6 +137,7 @@ TEST_CASE("scale, offset and unit of GDAL are refused with the importer as the r
     CHECK_THAT(refusal_of_metadata(item("unittype", "ft")), Contains("sets unittype to \"ft\""));
     CHECK_THAT(refusal_of_metadata("<Item role = 'SCALE' sample='0'>1e-2</Item>"), Contains("scale"));
     CHECK_THAT(refusal_of_metadata(item("scale", "&#49;")), Contains("scale"));
+    CHECK_THAT(refusal_of_metadata(std::string(1'000'000, '<')), Contains("its metadata are no XML"));
     CHECK(refusal_of_metadata(item("scale", "1") + item("offset", "0") + item("unittype", "metre")).empty());
     CHECK(refusal_of_metadata("<Item name=\"STATISTICS_MEAN\">100</Item>" + item("description", "offset")).empty());
 }
@@ -208,6 +209,10 @@ TEST_CASE("files beside a raster that change what its values mean are refused") 
     CHECK_THAT(with("g.asc.aux.xml", "<PAMDataset><SRS>PROJCS[]</SRS></PAMDataset>"), Contains("it sets srs"));
     CHECK(with("g.asc.aux.xml", "<PAMDataset><Metadata><MDI key=\"STATISTICS_MEAN\">3</MDI></Metadata></PAMDataset>")
               .empty());
+    CHECK_THAT(with("g.asc.aux.xml", std::string(200'000, '<')), Contains("g.asc.aux.xml: its metadata are no XML"));
+    CHECK_THAT(with("g.asc.aux.xml", "<PAMDataset><Scale"), Contains("is not closed by >"));
+    CHECK_THAT(with("g.asc.aux.xml", std::string((4 << 20) + 1, ' ')), Contains("it is longer than 4 MiB"));
+    CHECK_THAT(with("g.prj", std::string((1 << 20) + 1, ' ')), Contains("it is longer than 1 MiB"));
     CHECK_THAT(with("g.asc.msk", "II*"), Contains("masks cells"));
     const std::string spelled = "PROJCS[\"UTM 32N\",GEOGCS[\"WGS 84\",AUTHORITY[\"EPSG\",\"4326\"]],UNIT[\"metre\",1]";
     CHECK_THAT(with("g.prj", spelled + "]"), Contains("g.prj: it spells the raster's coordinate system"));
