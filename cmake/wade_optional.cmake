@@ -71,10 +71,10 @@ target_link_libraries(part PRIVATE ${targets})
     list(APPEND options "-D${name}=${value}")
   endforeach()
   execute_process(COMMAND ${CMAKE_COMMAND} -G Ninja ${options} -Wno-dev -S ${folder} -B ${folder}/build
-    RESULT_VARIABLE code OUTPUT_VARIABLE said ERROR_VARIABLE said)
+    TIMEOUT 180 RESULT_VARIABLE code OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(code EQUAL 0)
     execute_process(COMMAND ${CMAKE_COMMAND} --build ${folder}/build
-      RESULT_VARIABLE code OUTPUT_VARIABLE said ERROR_VARIABLE said)
+      TIMEOUT 180 RESULT_VARIABLE code OUTPUT_VARIABLE said ERROR_VARIABLE said)
   endif()
   if(code EQUAL 0)
     set(${result} TRUE PARENT_SCOPE)
