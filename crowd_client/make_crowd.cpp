@@ -16,6 +16,7 @@
 #include "crowd_client/responses/registry.hpp"
 #include "crowd_client/start_warnings.hpp"
 #include "crowd_client/water/contacts.hpp"
+#include "crowd_client/water_warnings.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -74,6 +75,23 @@ void feel_and_push(const Scene& scene, const Vector2d& column, CrowdWorld& crowd
     if (scene.coupling->two_way) crowd.pushing = start_pushing(scene, *crowd.feeling, crowd.agents);
 }
 
+// Settings of the water with the model and the spacing of its stream, where the scene leaves them open.
+Fluid fluid_of_stream(const Fluid& of_scene, const StreamWater& water) {
+    Fluid fluid = of_scene;
+    if (fluid.model != ModelKind::automatic || !water.model) return fluid;
+    fluid.model = *water.model;
+    if (water.spacing > 0) fluid.particle_spacing = water.spacing;
+    return fluid;
+}
+
+void warn_of_water(CrowdWorld& crowd, const StreamWater& water) {
+    Scene scene = crowd.scene;
+    const ModelChoice choice =
+        scene.fluid->model == ModelKind::automatic ? ModelChoice::of_server : ModelChoice::of_scene;
+    scene.fluid = fluid_of_stream(scene.fluid, water);
+    for (std::string& warning : water_warnings(scene, choice)) crowd.warnings.push_back(std::move(warning));
+}
+
 }  // namespace
 
 CrowdWorld make_crowd(const Scene& given) {
@@ -125,15 +143,12 @@ CrowdWorld make_crowd(const Scene& given) {
 }
 
 void suit_to_stream(CrowdWorld& crowd, const StreamWater& water) {
+    if (water.model) warn_of_water(crowd, water);
     if (!crowd.feeling) return;
-    if (crowd.scene.fluid->model == ModelKind::automatic && water.model) {
-        crowd.scene.fluid->model = *water.model;
-        if (water.spacing > 0) crowd.scene.fluid->particle_spacing = water.spacing;
-    }
+    crowd.scene.fluid = fluid_of_stream(crowd.scene.fluid, water);
     feel_and_push(crowd.scene, water.column, crowd);
-    // The particles of this project's models lie no farther apart than the scene states.
-    const bool points_of_others = water.column.x() == 0 && !water.model;
-    if (points_of_others && crowd.scene.crowd->response == ResponseKind::measured) {
+    // The water of this project's models has the spacing that the scene states: water_warnings.hpp.
+    if (!water.model && crowd.scene.crowd->response == ResponseKind::measured) {
         crowd.density.emplace(*crowd.feeling, crowd.scene.fluid->particle_spacing);
     }
 }

@@ -21,6 +21,7 @@
 #include "crowd_client/session/frame_time.hpp"
 #include "crowd_client/session/party.hpp"
 #include "crowd_client/session/progress.hpp"
+#include "crowd_client/water_warnings.hpp"
 #include "shm_protocol/inside/segment.hpp"
 #include "shm_protocol/subscriber.hpp"
 
@@ -338,7 +339,10 @@ std::string check_party(const ProgramStart& start) {
     const Party party = make_party(start);
     std::string said;
     for (std::size_t k = 0; k < party.runs.size(); ++k) {
-        for (const std::string& warning : party.runs[k].crowd.warnings) {
+        const CrowdWorld& crowd = party.runs[k].crowd;
+        std::vector<std::string> warnings = crowd.warnings;
+        for (std::string& warning : water_warnings(crowd.scene)) warnings.push_back(std::move(warning));
+        for (const std::string& warning : warnings) {
             const std::string who = party.many ? "crowd \"" + party.members[k].name + "\": " : "";
             said += "warning: " + who + warning + "\n";
         }

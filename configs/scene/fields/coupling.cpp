@@ -2,27 +2,63 @@
 
 #include "configs/scene/coupling.hpp"
 
+#include <algorithm>
+
+#include "configs/scene/crowd.hpp"
 #include "configs/scene/fields/lists.hpp"
+#include "configs/scene/fluid.hpp"
 #include "configs/scene/mixed_window.hpp"
 #include "configs/scene/scene_frames.hpp"
 
 namespace wade {
 
+namespace {
+
+// People whom Eq. 5 to 9 move. Bodies of the response `measured` touch no particles, they sample the water.
+bool has_people_by_tau(const Scene& scene) {
+    const std::vector<AgentGroup>& groups = scene.crowd->groups;
+    const auto has_tau = [](const AgentGroup& group) { return group.tau || !group.tau_history.empty(); };
+    return scene.crowd->response != ResponseKind::measured || groups.empty() || !scene.events.empty() ||
+           std::any_of(groups.begin(), groups.end(), has_tau);
+}
+
+bool has_contacts(const Scene& scene) {
+    return has_people_by_tau(scene) || scene.crowd->ragdoll.condition != RagdollCondition::off ||
+           scene.fluid->model == ModelKind::automatic;
+}
+
+}  // namespace
+
 void fields(Coupling& coupling, Fields& f, const Scene& scene) {
-    f.choice("contact_rule", coupling.contact_rule,
-             "Distance, in the ground plane, below which an agent and a particle touch. difference: |agent_radius_m - "
-             "particle_radius_m|, as in the authors' code. sum: agent_radius_m + particle_radius_m, as in the paper's "
-             "text.");
-    f.choice(
-        "rule", coupling.rule,
-        "per_frame: Eq. 9 once a step of the crowd, from the velocity that the agent has without water. continuous: "
-        "agents tend to the velocity of Eq. 9 within 1/30 s, so that they have inertia; the steady state is that of "
-        "Eq. 9 at any rate, and the path after a change of the water is the same for steps of any length.");
-    f.number("sampling_rate_hz", coupling.sampling_rate, "1/s", from(0).to(1e5),
-             "Times a second at which the rule continuous looks for the water in contact: several times within a step, "
-             "with each particle moved on at its velocity from where it was at the begin of the step; once a step if 0 "
-             "or not above the crowd's step rate. Agents go along with the particles that push them, which long steps "
-             "do not see. Needs rule continuous if above 0.");
+    const Acting by_tau{"with /crowd/response \"paper\" or a tau of a group", has_people_by_tau};
+    const Acting in_contact{
+        "with /crowd/response \"paper\", a tau of a group, a /crowd/ragdoll/condition or /fluid/model \"auto\"",
+        has_contacts};
+    const Acting of_agents{
+        "with /crowd/response \"paper\", a tau of a group, a /crowd/ragdoll/condition, /fluid/model \"auto\" or "
+        "/coupling/agents_stream",
+        [](const Scene& its) { return has_contacts(its) || its.coupling->agents_stream != AgentsStream::off; }};
+    f.acts_only(in_contact, [&] {
+        f.choice(
+            "contact_rule", coupling.contact_rule,
+            "Distance, in the ground plane, below which an agent and a particle touch. difference: |agent_radius_m - "
+            "particle_radius_m|, as in the authors' code. sum: agent_radius_m + particle_radius_m, as in the paper's "
+            "text.");
+    });
+    f.acts_only(by_tau, [&] {
+        f.choice("rule", coupling.rule,
+                 "per_frame: Eq. 9 once a step of the crowd, from the velocity that the agent has without water. "
+                 "continuous: "
+                 "agents tend to the velocity of Eq. 9 within 1/30 s, so that they have inertia; the steady state is "
+                 "that of "
+                 "Eq. 9 at any rate, and the path after a change of the water is the same for steps of any length.");
+        f.number(
+            "sampling_rate_hz", coupling.sampling_rate, "1/s", from(0).to(1e5),
+            "Times a second at which the rule continuous looks for the water in contact: several times within a step, "
+            "with each particle moved on at its velocity from where it was at the begin of the step; once a step if 0 "
+            "or not above the crowd's step rate. Agents go along with the particles that push them, which long steps "
+            "do not see. Needs rule continuous if above 0.");
+    });
     f.choice(
         "agents_stream", coupling.agents_stream,
         "The way back, from the crowd to the water. serial: the crowd publishes its agents and the water waits "
@@ -43,10 +79,14 @@ void fields(Coupling& coupling, Fields& f, const Scene& scene) {
         "shelter", coupling.shelter,
         "How people behind people feel the water. wake: slower, by the deepest of the wakes in which they stand; those "
         "wakes are finer than the water shows. Felt in the response measured and, with two_way, in what they push.");
-    f.number("agent_radius_m", coupling.agent_radius, "m", above(0).to(1),
-             "r_a; at most 1, so that a contact lies within the 3 x 3 cells round an agent.");
-    f.number("particle_radius_m", coupling.particle_radius, "m", above(0).to(1),
-             "r_p, of contacts only: neither mass nor spacing of the particles follows from it.");
+    f.acts_only(of_agents, [&] {
+        f.number("agent_radius_m", coupling.agent_radius, "m", above(0).to(1),
+                 "r_a; at most 1, so that a contact lies within the 3 x 3 cells round an agent.");
+    });
+    f.acts_only(in_contact, [&] {
+        f.number("particle_radius_m", coupling.particle_radius, "m", above(0).to(1),
+                 "r_p, of contacts only: neither mass nor spacing of the particles follows from it.");
+    });
     f.once_read([&]() -> std::optional<std::string> {
         if (coupling.two_way && coupling.agents_stream == AgentsStream::off) {
             coupling.agents_stream = AgentsStream::parallel;

@@ -500,8 +500,16 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
     f.object("navigation", crowd.navigation, "How agents find the way to their goal.");
     f.number("perception_radius_m", crowd.perception_radius, "m", above(0).to(2),
              "R: an agent perceives markers within it; at most the size of a cell.");
-    f.number("goal_radius_m", crowd.goal_radius, "m", above(0).to(1000),
-             "An agent this close to its goal has arrived and is removed.");
+    f.acts_only({"with a group with goal/to \"point\"",
+                 [&](const Scene&) {
+                     return crowd.groups.empty() ||
+                            std::any_of(crowd.groups.begin(), crowd.groups.end(),
+                                        [](const AgentGroup& group) { return group.goals == GoalRule::point; });
+                 }},
+                [&] {
+                    f.number("goal_radius_m", crowd.goal_radius, "m", above(0).to(1000),
+                             "An agent this close to its goal has arrived and is removed.");
+                });
     f.object("ragdoll", crowd.ragdoll,
              "Data for animators (ragdoll.csv): where the water tumbles a character. It changes no path. A row for "
              "each agent and frame of the paths while the condition holds and particles touch the agent, most of the "

@@ -72,6 +72,9 @@ void fields(MixedWindow& mixed, Fields& f) {
 }
 
 void fields(Fluid& fluid, Fields& f) {
+    const Acting as_particles{
+        "on a channel, or with another /fluid/model than \"shallow_water\"",
+        [&](const Scene& scene) { return !scene.place || fluid.model != ModelKind::shallow_water; }};
     f.choice(
         "model", fluid.model,
         "dfsph: divergence-free smoothed particle hydrodynamics in 3-D (Bender and Koschier 2015). kinematic: a stream "
@@ -126,9 +129,11 @@ void fields(Fluid& fluid, Fields& f) {
             "where U^2 = gravity * greatest depth + (largest velocity of the scene)^2: weights mean the same at any "
             "size.");
     });
-    f.number("particle_spacing_m", fluid.particle_spacing, "m", from(0.0001).to(1000),
-             "d, spacing of the particles at rest; a particle's mass is rest_density_kg_m3 * d^3. Half of it means "
-             "about eight times the particles and twice the steps.");
+    f.acts_only(as_particles, [&] {
+        f.number("particle_spacing_m", fluid.particle_spacing, "m", from(0.0001).to(1000),
+                 "d, spacing of the particles at rest; a particle's mass is rest_density_kg_m3 * d^3. Half of it means "
+                 "about eight times the particles and twice the steps.");
+    });
     f.acts_only(
         with_models("with models of particles", {ModelKind::dfsph, ModelKind::kinematic, ModelKind::steering,
                                                  ModelKind::mixed, ModelKind::automatic}),
@@ -167,8 +172,10 @@ void fields(Fluid& fluid, Fields& f) {
                 "Kinematic viscosity of the model; far above that of water (1e-6), as the particles do not resolve its "
                 "small eddies.");
         });
-    f.whole("max_particles", fluid.max_particles, "", from(0).to(1e8),
-            "Capacity: particles for which memory is set aside, and the stock of the emitter.");
+    f.acts_only(as_particles, [&] {
+        f.whole("max_particles", fluid.max_particles, "", from(0).to(1e8),
+                "Capacity: particles for which memory is set aside, and the stock of the emitter.");
+    });
     f.acts_only(with_models("with models that solve for the water, not with kinematic",
                             {ModelKind::dfsph, ModelKind::shallow_water, ModelKind::steering, ModelKind::mixed,
                              ModelKind::automatic}),

@@ -35,7 +35,6 @@ const std::string channel = R"({"frame_rate_hz": 10, "duration_s": 60, "world": 
     "fluid": {"particle_spacing_m": 0.4}, "crowd": {)";
 
 const std::string site = R"({"frame_rate_hz": 10, "duration_s": 60, "world": {"length_m": 40, "width_m": 20},
-    "fluid": {"particle_spacing_m": 0.4},
     "place": {"ground": {"level_m": 0, "slope_z": 0.05},
               "houses": [{"polygon": [[20, 14], [28, 14], [28, 19], [20, 19]], "residents": 8, "upper_floor_m": 3}],
               "shelters": [{"name": "school", "polygon": [[1, 14], [5, 14], [5, 19], [1, 19]]}]},
@@ -109,7 +108,7 @@ const std::map<std::string, std::vector<Trial>>& trials() {
         {"/crowd/navigation/enters_up_to_m", {{"0.1"}}},
         {"/crowd/navigation/safe_above_m", {{"0.4"}}},
         {"/crowd/perception_radius_m", {{"1.2"}}},
-        {"/crowd/goal_radius_m", {{"23"}}},
+        {"/crowd/goal_radius_m", {{"23"}, {"23", {R"(/crowd/groups/0/goal={"to":"shelters"})"}}}},
         {"/crowd/ragdoll/condition", {{"local_speed", {"/crowd/groups/0/tau=0.9", "/crowd/ragdoll/speed_m_s=0.5"}}}},
         {"/crowd/ragdoll/tau_min",
          {{"1", {"/crowd/ragdoll/condition=local_speed", "/crowd/ragdoll/speed_m_s=0.5", "/crowd/groups/0/tau=0.9"}},
@@ -344,6 +343,38 @@ TEST_CASE("Each key of the crowd has an effect on a channel and on a site, or is
     }
     for (const auto& [pattern, trial] : trials()) CHECK(patterns.contains(pattern));
     for (const auto& [pattern, reason] : untried) CHECK(patterns.contains(pattern));
+}
+
+TEST_CASE("Keys of contacts act where somebody has a tau, and are told of where people answer by their bodies") {
+    const std::vector<std::pair<std::string, std::string>> keys{{"/coupling/contact_rule", "sum"},
+                                                                {"/coupling/rule", "continuous"},
+                                                                {"/coupling/agent_radius_m", "0.7"},
+                                                                {"/coupling/particle_radius_m", "0.1"}};
+    const Trial ragdolls{"", {"/crowd/ragdoll/condition=depth_speed", "/crowd/ragdoll/depth_speed_m2_s=0.1"}};
+    for (const auto& [pointer, value] : keys) {
+        for (const Base& base : bases()) {
+            INFO(pointer << " " << base.text);
+            const bool by_body = base.text.find("measured") != std::string::npos;
+            CHECK(show(base, pointer, value, {}) == (by_body ? Shown::idle : Shown::effect));
+            const bool in_contact = pointer != "/coupling/rule";
+            if (by_body && !base.is_site)
+                CHECK(show(base, pointer, value, ragdolls) == (in_contact ? Shown::effect : Shown::idle));
+        }
+    }
+}
+
+TEST_CASE("Keys of particles are told of on a site of shallow water, whose cells are columns") {
+    const Base& base = bases()[3];
+    const auto told = [&](const std::string& model, const std::string& assignment) {
+        const std::vector<std::string> warnings = loaded(base, {"/fluid/model=" + model, assignment}).warnings;
+        return std::any_of(warnings.begin(), warnings.end(), [&](const std::string& warning) {
+            return warning.find(assignment.substr(0, assignment.find('='))) != std::string::npos;
+        });
+    };
+    for (const std::string assignment : {"/fluid/particle_spacing_m=0.3", "/fluid/max_particles=200000"}) {
+        CHECK(told("shallow_water", assignment));
+        CHECK_FALSE(told("dfsph", assignment));
+    }
 }
 
 }  // namespace wade::crowd::key_effects_test

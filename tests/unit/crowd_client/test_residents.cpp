@@ -12,6 +12,7 @@
 #include "crowd_client/markers/placed_houses.hpp"
 #include "crowd_client/outputs/writers/report.hpp"
 #include "crowd_client/results/run_summary.hpp"
+#include "crowd_client/water_warnings.hpp"
 #include "made_up_water.hpp"
 
 namespace wade::crowd::residents_test {
@@ -173,7 +174,7 @@ TEST_CASE("Fewer than three cells across the houses are told of with the cells t
         scene.fluid->model = ModelKind::shallow_water;
         scene.fluid->shallow_water.cell_size = cell;
         std::string text;
-        for (const std::string& warning : make_crowd(scene).warnings) {
+        for (const std::string& warning : water_warnings(make_crowd(scene).scene)) {
             if (warning.find("across a house") != std::string::npos) text += warning;
         }
         return text;
