@@ -354,8 +354,19 @@ class TiffReader {
         }
     }
 
-    // GDAL leaves out what holds no data.
-    bool is_sparse(std::uint32_t number) const { return no_data_ && TIFFGetStrileByteCount(tiff_.get(), number) == 0; }
+    // Returns true for a strip or tile without bytes in the file, as GDAL writes those without data. Throws if there is no "no data"
+    // value: libtiff guesses lengths, and would read the header's bytes as heights.
+    bool is_sparse(std::uint32_t number) const {
+        if (TIFFGetStrileOffset(tiff_.get(), number) != 0 && TIFFGetStrileByteCount(tiff_.get(), number) != 0)
+            return false;
+        if (!no_data_)
+            fail(
+                std::string(TIFFIsTiled(tiff_.get()) ? "tile " : "strip ") + std::to_string(number) +
+                " has no bytes (a sparse file) and there is no value for \"no data\"; allowed: a height for each cell, "
+                "or that value. " +
+                import_words());
+        return true;
+    }
 
     double value_at(const std::uint8_t* from, std::size_t i) const {
         const double value = plain_value_at(from, i);

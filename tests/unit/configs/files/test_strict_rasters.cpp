@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <utility>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/map_system.hpp"
@@ -228,6 +229,30 @@ TEST_CASE("a small file that claims many cells, a tile or row beyond measure, an
     CHECK_THAT(refusal_of_tiff(tiff_of({plain(16'000'000, 1)}, heights)), Contains("64000000 bytes; allowed"));
     CHECK_THAT(refusal_with(259, shorts({7})), Contains("its compression is number 7 of TIFF"));
     CHECK_THAT(refusal_with(258, shorts({8})), Contains("8 bits a value"));
+}
+
+TEST_CASE("a strip or tile without bytes holds no data, and is refused where no value stands for that") {
+    for (const bool tiled : {false, true}) {
+        for (const auto& [offset, length] : {std::pair{0U, 0U}, std::pair{8U, 0U}, std::pair{0U, 24U}}) {
+            for (const std::uint16_t compression : {1, 8}) {
+                Tags tags = plain();
+                tags[259] = shorts({compression});
+                if (tiled) {
+                    tags.erase(273);
+                    tags.erase(278);
+                    tags.erase(279);
+                    tags[322] = tags[323] = longs({16});
+                }
+                tags[tiled ? 324 : 273] = longs({offset});
+                tags[tiled ? 325 : 279] = longs({length});
+                CHECK_THAT(refusal_of_tiff(tiff_of({tags}, heights)),
+                           Contains(tiled ? "tile 0 has no bytes" : "strip 0 has no bytes") &&
+                               Contains("tools/wade place import"));
+                tags[42113] = words("-9999");
+                CHECK(std::isnan(wade::read_geotiff(tiff_of({tags}, heights), "a.tif").raster.at(2, 1)));
+            }
+        }
+    }
 }
 
 TEST_CASE("a key of an ESRI ASCII grid stands once") {
