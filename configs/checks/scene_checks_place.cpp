@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -65,13 +64,13 @@ MapBox box_of(const MapPolygon& polygon) {
     return box;
 }
 
-// Comparisons of corners, edges and boxes that the checks of one scene may take, so that none takes long.
+// Counts the comparisons of corners with doors, so that the checks of a scene do not take long.
 class Work {
  public:
     void take(std::size_t steps, const std::string& source, const std::string& label) {
         if (steps > left_)
             refuse_shape(source, label,
-                         "the outlines are too long or too tangled to be checked. Remedy: ogr2ogr -simplify 0.1, or "
+                         "the houses have too many corners and doors to be checked. Remedy: ogr2ogr -simplify 0.1, or "
                          "leave out what lies beside the site.");
         left_ -= steps;
     }
@@ -79,37 +78,6 @@ class Work {
  private:
     std::size_t left_ = 200'000'000;
 };
-
-// Where the rings of a polygon cross themselves or one another: their edges by their smallest x, each against those that begin before
-// it ends.
-std::optional<MapPoint> crossing_of(const MapPolygon& polygon, const std::string& label, const std::string& source,
-                                    Work& work) {
-    struct Edge {
-        MapPoint a, b;
-        double lo, hi, bottom, top;
-    };
-    std::vector<Edge> edges;
-    for (const MapLine& ring : polygon.rings) {
-        for (std::size_t k = 0; k < ring.size(); ++k) {
-            const MapPoint &a = ring[k], &b = ring[(k + 1) % ring.size()];
-            edges.push_back({a, b, std::min(a.x, b.x), std::max(a.x, b.x), std::min(a.z, b.z), std::max(a.z, b.z)});
-        }
-    }
-    std::sort(edges.begin(), edges.end(), [](const Edge& one, const Edge& other) { return one.lo < other.lo; });
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-        const Edge& e = edges[i];
-        std::size_t k = i + 1;
-        for (; k < edges.size() && edges[k].lo <= e.hi; ++k) {
-            const Edge& o = edges[k];
-            if (o.bottom > e.top || o.top < e.bottom || !on_map::cross(e.a, e.b, o.a, o.b)) continue;
-            const double along =
-                on_map::turn(o.a, o.b, e.a) / (on_map::turn(o.a, o.b, e.a) - on_map::turn(o.a, o.b, e.b));
-            return MapPoint{e.a.x + along * (e.b.x - e.a.x), e.a.z + along * (e.b.z - e.a.z)};
-        }
-        work.take(k - i, source, label);
-    }
-    return std::nullopt;
-}
 
 double area_of(const MapLine& ring) {
     double twice = 0;
@@ -203,21 +171,16 @@ bool is_in_world(const MapPoint& p, const World& world) {
     return 0 <= p.x && p.x <= world.length && 0 <= p.z && p.z <= world.width;
 }
 
-void check_rings(const MapPolygon& polygon, const std::string& label, const std::string& source, Work& work) {
+void check_rings(const MapPolygon& polygon, const std::string& label, const std::string& source) {
     constexpr double least_area = 0.01;  // m2
     for (const MapLine& ring : polygon.rings) {
         if (ring.size() < 3)
             refuse_shape(source, label,
                          std::to_string(ring.size()) + " corners; allowed: at least 3. Remedy: take it out.");
-        if (area_of(ring) < least_area && !crossing_of({{ring}}, label, source, work))
+        if (area_of(ring) < least_area)
             refuse_shape(source, label,
-                         "its corners enclose " + short_number(area_of(ring)) + " m2; allowed: >= " +
-                             short_number(least_area) + " m2. Remedy: take it out, or draw its corners in order.");
-    }
-    if (const auto place = crossing_of(polygon, label, source, work)) {
-        refuse_shape(source, label,
-                     "its outline crosses itself at " + at_words(place->x, place->z) +
-                         ". Remedy: draw its corners in order, or ogr2ogr -makevalid.");
+                         "its corners enclose " + short_number(area_of(ring)) +
+                             " m2; allowed: >= " + short_number(least_area) + " m2. Remedy: take it out.");
     }
 }
 
@@ -263,7 +226,7 @@ void check_in_world(const MapPolygon& polygon, const MapLine& line, const Limits
 
 void check_house(const House& house, const Scene& scene, const std::string& source, Work& work) {
     check_in_world(house.polygon, {}, works, scene, house.label, source);
-    check_rings(house.polygon, house.label, source, work);
+    check_rings(house.polygon, house.label, source);
     std::size_t corners = 0;
     for (const MapLine& ring : house.polygon.rings) corners += ring.size();
     work.take(corners * house.doors.size(), source, house.label);
@@ -317,10 +280,9 @@ bool has_ground(const Ground& ground, const MapPoint& p) {
     return !std::isnan(raster.at(column, row));
 }
 
-void check_source(const Source& made, const Scene& scene, const HouseFinder& houses, const std::string& source,
-                  Work& work) {
+void check_source(const Source& made, const Scene& scene, const HouseFinder& houses, const std::string& source) {
     check_in_world(made.polygon, made.line, works, scene, made.label, source);
-    if (made.line.empty()) check_rings(made.polygon, made.label, source, work);
+    if (made.line.empty()) check_rings(made.polygon, made.label, source);
     const House* roof = nullptr;
     for (const MapPoint& p : points_of(made, scene.fluid->shallow_water.cell_size)) {
         if (!is_in_world(p, scene.world) || !has_ground(scene.place->ground, p)) continue;
@@ -397,12 +359,12 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
     if (!all_well) return;  // what follows looks for houses
     if (!problems.attempt([&] { check_houses_beside(scene, source); })) return;
     const HouseFinder houses(scene);
-    for (const Source& made : place.sources) problems.attempt([&] { check_source(made, scene, houses, source, work); });
+    for (const Source& made : place.sources) problems.attempt([&] { check_source(made, scene, houses, source); });
     const auto check_shape = [&](const MapPolygon& polygon, const MapLine& line, const Limits& limits,
                                  const std::string& label) {
         problems.attempt([&] {
             check_in_world(polygon, line, limits, scene, label, source);
-            if (line.empty()) check_rings(polygon, label, source, work);
+            if (line.empty()) check_rings(polygon, label, source);
         });
     };
     for (const Outlet& outlet : place.outlets) check_shape(outlet.polygon, outlet.line, works, outlet.label);

@@ -7,6 +7,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/map_system.hpp"
+#include "configs/files/polygon_validity.hpp"
 #include "configs/files/text_file.hpp"
 
 namespace wade {
@@ -113,17 +114,12 @@ class JsonReader {
         const std::string type = type_of(geometry);
         const Json& coordinates = geometry["coordinates"];
         if (type == "Polygon") {
-            made.polygon.rings = take_rings(coordinates, made);
+            take_parts({{take_rings(coordinates, made)}}, made);
         } else if (type == "MultiPolygon") {
             if (!coordinates.is_array()) fail(made.label, "a MultiPolygon without coordinates.");
             std::vector<MapPolygon> parts;
-            for (const Json& polygon : coordinates) {
-                parts.push_back({take_rings(polygon, made)});
-                check_beside_others(parts, made);
-            }
-            for (MapPolygon& part : parts) {
-                for (MapLine& ring : part.rings) made.polygon.rings.push_back(std::move(ring));
-            }
+            for (const Json& polygon : coordinates) parts.push_back({take_rings(polygon, made)});
+            take_parts(std::move(parts), made);
         } else if (type == "LineString") {
             made.line = line_of(coordinates, made);
         } else if (type == "MultiLineString" && coordinates.is_array() && coordinates.size() == 1) {
@@ -140,7 +136,7 @@ class JsonReader {
         if (made.polygon.rings.empty() && made.line.empty()) fail(made.label, "its geometry has no points.");
     }
 
-    [[nodiscard]] std::vector<MapLine> take_rings(const Json& rings, const MapFeature& made) {
+    [[nodiscard]] std::vector<MapLine> take_rings(const Json& rings, const MapFeature& made) const {
         if (!rings.is_array()) fail(made.label, "a polygon without rings.");
         std::vector<MapLine> found;
         for (const Json& points : rings) {
@@ -152,40 +148,24 @@ class JsonReader {
                 fail(made.label, "a ring with " + std::to_string(ring.size()) +
                                      " corners; allowed: at least 3. Remedy: take it out, or draw it anew.");
             found.push_back(std::move(ring));
-            if (found.size() > 1 && corners_in(found.back(), {{found.front()}}, made) == 0)
-                fail(made.label, "its hole " + std::to_string(found.size() - 1) +
-                                     " lies outside of its outline; allowed: inside. Remedy: " + make_valid);
         }
         return found;
     }
 
-    void check_beside_others(const std::vector<MapPolygon>& parts, const MapFeature& made) {
-        const MapPolygon& last = parts.back();
-        for (std::size_t i = 0; i + 1 < parts.size(); ++i) {
-            if (last.rings.empty() || parts[i].rings.empty()) continue;
-            if (corners_in(last.rings[0], parts[i], made) < looked_at(last.rings[0]) &&
-                corners_in(parts[i].rings[0], last, made) < looked_at(parts[i].rings[0]))
-                continue;
-            fail(made.label, "its parts " + std::to_string(i) + " and " + std::to_string(parts.size() - 1) +
-                                 " lie on one another; allowed: beside one another. Remedy: " + make_valid);
+    void take_parts(std::vector<MapPolygon> parts, MapFeature& made) {
+        constexpr std::size_t longest = 100'000;  // as of a lake or zone, which have most
+        std::size_t corners = 0;
+        for (const MapPolygon& part : parts) {
+            for (const MapLine& ring : part.rings) corners += ring.size();
+        }
+        if (corners > longest)
+            fail(made.label, "it has " + std::to_string(corners) + " corners; allowed: <= " + std::to_string(longest) +
+                                 ". Remedy: ogr2ogr -simplify 0.1.");
+        if (const std::string fault = validity_.fault_of(parts); !fault.empty()) fail(made.label, fault);
+        for (MapPolygon& part : parts) {
+            for (MapLine& ring : part.rings) made.polygon.rings.push_back(std::move(ring));
         }
     }
-
-    // How many of the first corners of a ring lie in a polygon; on an edge they may or may not. Rings that cross are found later.
-    [[nodiscard]] std::size_t corners_in(const MapLine& ring, const MapPolygon& polygon, const MapFeature& made) {
-        std::size_t edges = 1, count = 0;
-        for (const MapLine& outline : polygon.rings) edges += outline.size();
-        for (std::size_t k = 0; k < looked_at(ring); ++k) {
-            if (edges > work_left_)
-                fail(made.label,
-                     "it has too many parts or holes to be checked. Remedy: tools/wade place import, or "
-                     "ogr2ogr -explodecollections -simplify 0.1.");
-            work_left_ -= edges;
-            if (contains(polygon, ring[k])) ++count;
-        }
-        return count;
-    }
-    static std::size_t looked_at(const MapLine& ring) { return std::min<std::size_t>(ring.size(), 8); }
 
     [[nodiscard]] MapLine line_of(const Json& points, const MapFeature& made) const {
         if (!points.is_array()) fail(made.label, "its coordinates are no array of points.");
@@ -220,11 +200,9 @@ class JsonReader {
                  "it names no coordinate system (crs), and its coordinates look like degrees; " + reproject_words());
     }
 
-    static constexpr const char* make_valid = "tools/wade place import, or ogr2ogr -makevalid.";
-
     const std::string& name_;
     bool plan_;
-    std::size_t work_left_ = 200'000'000;  // comparisons of a point with an edge
+    PolygonValidity validity_;
     MapFeatures found_;
 };
 

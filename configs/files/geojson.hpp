@@ -30,8 +30,8 @@ struct MapFeatures {
 };
 
 // Features without a geometry are left out. Coordinates that look like degrees are refused, but not of a `plan`, whose metres
-// belong to no coordinate system. Keys that stand twice, holes outside of their outline and parts of a MultiPolygon in one another are
-// refused. Throws ConfigurationError that names file, feature, value and remedy.
+// belong to no coordinate system. Keys that stand twice and polygons that are not valid
+// are refused. Throws ConfigurationError that names file, feature, value and remedy.
 [[nodiscard]] MapFeatures read_geojson(const std::filesystem::path& file, bool plan = false);
 [[nodiscard]] MapFeatures parse_geojson(std::string_view text, const std::string& name, bool plan = false);
 

@@ -12,6 +12,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/geojson.hpp"
 #include "configs/files/map_system.hpp"
+#include "configs/files/polygon_validity.hpp"
 #include "configs/files/raster_file.hpp"
 #include "configs/files/residents_csv.hpp"
 #include "configs/files/series_csv.hpp"
@@ -211,7 +212,7 @@ class PlaceReader {
 
     // The shapes of a key; `lines`, `polygons`: which may be.
     std::vector<Shape> shapes(const std::string& pointer, const std::optional<std::string>& name,
-                              const MapLine& polygon, const MapLine& line, bool polygons, bool lines) const {
+                              const MapLine& polygon, const MapLine& line, bool polygons, bool lines) {
         const std::string allowed = polygons && lines ? "polygon, line or file"
                                     : polygons        ? "polygon or file"
                                                       : "line or file";
@@ -222,6 +223,7 @@ class PlaceReader {
         if (!polygon.empty()) {
             if (polygon.size() < 3)
                 fail(pointer + "/polygon", std::to_string(polygon.size()) + " corners; allowed: at least 3.");
+            if (const std::string fault = validity_.fault_of({{{polygon}}}); !fault.empty()) fail(pointer, fault);
             return {{{{polygon}}, {}, {}, "/place" + pointer}};
         }
         if (!line.empty()) {
@@ -442,6 +444,7 @@ class PlaceReader {
     const std::string& source_;
     Problems& problems_;
     double lowest_ = 0, highest_ = 0;  // of the ground, m
+    PolygonValidity validity_;
     Place place_;
 };
 

@@ -73,10 +73,10 @@ TEST_CASE("a world beyond its ground is refused") {
 TEST_CASE("houses that cross themselves, enclose nothing or lie elsewhere are refused, those that touch are not") {
     CHECK_THAT(load_or_refusal(R"("houses": [{"file": "bow.geojson"}])"),
                Contains("/place/houses/0: ") &&
-                   Contains("bow.geojson: feature 0 (bow): its outline crosses itself at x 4 m, z 4 m") &&
+                   Contains("bow.geojson: feature 0 (bow): its outline crosses itself or encloses no area") &&
                    Contains("ogr2ogr -makevalid"));
     CHECK_THAT(load_or_refusal(R"("houses": [{"polygon": [[2, 2], [4, 2], [6, 2]]}])"),
-               Contains("/place/houses/0: its corners enclose 0 m2"));
+               Contains("/place/houses/0: its outline has a spike"));
     CHECK_THAT(load_or_refusal(R"("houses": [{"file": "far.geojson"}])"),
                Contains("far.geojson: feature 0: it lies outside the place"));
     CHECK_THAT(load_or_refusal(R"("houses": [{"polygon": [[2, 2], [6, 2], [6, 6]], "doors": [[2, 6]]}])"),
@@ -86,6 +86,42 @@ TEST_CASE("houses that cross themselves, enclose nothing or lie elsewhere are re
             R"("houses": [{"polygon": [[2, 2], [4, 2], [4, 4], [2, 4]]}, {"polygon": [[4, 2], [6, 2], [6, 4], [4, 4]]},
                                         {"polygon": [[3, 3], [5, 3], [5, 5]]}])")
             .empty());
+}
+
+TEST_CASE(
+    "polygons whose houses would vanish where they lie on one another are refused, islands and courtyards are not") {
+    const auto point = [](int x, int z) {
+        return "[" + std::to_string(500100 + x) + ", " + std::to_string(6000200 + z) + "], ";
+    };
+    const auto square = [&](int x, int z, int side, int turns = 1) {
+        std::string ring;
+        for (int turn = 0; turn < turns; ++turn)
+            ring += point(x, z) + point(x + side, z) + point(x + side, z + side) + point(x, z + side);
+        return "[" + ring.substr(0, ring.size() - 2) + "]";
+    };
+    const wade::test::TemporaryFolder folder;
+    const auto refused = [&](const std::string& type, const std::string& coordinates) {
+        const auto file =
+            folder.write("h.geojson", R"({"type": ")" + type + R"(", "coordinates": [)" + coordinates + "]}");
+        return load_or_refusal(R"("houses": [{"file": ")" + file.string() + R"("}])");
+    };
+    const std::string one = square(2, 2, 4), beside = square(4, 2, 4), inner = square(3, 3, 2);
+    const auto parts = [](const std::string& a, const std::string& b) { return "[" + a + "], [" + b + "]"; };
+    for (const std::string& polygon :
+         {one + ", " + one, one + ", " + beside, square(2, 2, 4, 2), one + ", " + inner + ", " + inner,
+          square(1, 1, 8) + ", " + one + ", " + beside, square(1, 1, 8) + ", " + one + ", " + inner,
+          one + ", " + square(12, 2, 2), "[" + point(2, 2) + point(9, 2) + square(6, 2, 4).substr(1)}) {
+        INFO(polygon);
+        CHECK_THAT(refused("Polygon", polygon), Contains("h.geojson: feature 0: ") && Contains("ogr2ogr -makevalid"));
+    }
+    for (const std::string& two : {parts(one, one), parts(one, beside), parts(one, inner), parts(inner, one)}) {
+        INFO(two);
+        CHECK_THAT(refused("MultiPolygon", two), Contains("h.geojson: feature 0: ") && Contains("ogr2ogr -makevalid"));
+    }
+    CHECK(refused("Polygon", one + ", " + inner) == "");
+    CHECK(refused("MultiPolygon", parts(square(1, 1, 8) + ", " + one, inner)) == "");
+    CHECK(refused("MultiPolygon", parts(one, square(6, 6, 2))) == "");
+    CHECK(refused("MultiPolygon", parts(one, square(6, 2, 4))) == "");
 }
 
 TEST_CASE("sources on roofs or outside are refused, those that reach the ground are not") {

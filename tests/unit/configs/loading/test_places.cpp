@@ -137,7 +137,7 @@ TEST_CASE("water and zones outside the place, or that cross themselves, are refu
     CHECK_THAT(refused(R"("water": [{"polygon": [[90, 0], [95, 0], [95, 5]], "level_m": 11}])"),
                Contains("/place/water/0: it lies outside the place"));
     CHECK_THAT(refused(R"("water": [{"polygon": [[0, 0], [5, 5], [5, 0], [0, 4]], "level_m": 11}])"),
-               Contains("/place/water/0: its outline crosses itself"));
+               Contains("/place/water/0: its outline crosses or touches itself"));
     CHECK_THAT(refused(R"("manning": {"zones": [{"polygon": [[90, 0], [95, 0], [95, 5]], "n": 0.1}]})"),
                Contains("/place/manning/zones/0: it lies outside the place"));
 }
