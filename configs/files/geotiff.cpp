@@ -175,6 +175,11 @@ class TiffReader {
         if (bands != 1)
             fail(std::to_string(bands) +
                  " bands, which looks like a picture; allowed: 1, heights. Remedy: gdal_translate -b 1");
+        const auto meaning = field<std::uint16_t>(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+        if (meaning != PHOTOMETRIC_MINISBLACK && meaning != PHOTOMETRIC_MINISWHITE)
+            fail("its values are colours (PhotometricInterpretation " + std::to_string(meaning) +
+                 (meaning == PHOTOMETRIC_PALETTE ? ", a palette" : "") +
+                 "); allowed: 0 or 1, heights in metres. Remedy: take the raster of heights, not a picture of it");
         if (width_ == 0 || height_ == 0) fail("it has no cells");
         if (height_ > most_raster_cells / width_)
             fail(std::to_string(width_) + " x " + std::to_string(height_) + " cells; allowed: up to " +

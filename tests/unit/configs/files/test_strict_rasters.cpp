@@ -233,8 +233,8 @@ TEST_CASE("a small file that claims many cells, a tile or row beyond measure, an
 
 TEST_CASE("a strip or tile without bytes holds no data, and is refused where no value stands for that") {
     for (const bool tiled : {false, true}) {
-        for (const auto& [offset, length] : {std::pair{0U, 0U}, std::pair{8U, 0U}, std::pair{0U, 24U}}) {
-            for (const std::uint16_t compression : {1, 8}) {
+        for (const auto& [offset, length] : {std::pair{0U, 0U}, std::pair{0U, 24U}}) {
+            for (const std::uint16_t compression : std::array<std::uint16_t, 2>{1, 8}) {
                 Tags tags = plain();
                 tags[259] = shorts({compression});
                 if (tiled) {
@@ -253,6 +253,20 @@ TEST_CASE("a strip or tile without bytes holds no data, and is refused where no 
             }
         }
     }
+}
+
+TEST_CASE("colours are refused as heights") {
+    Tags palette = plain();
+    palette[258] = shorts({8});
+    palette[339] = shorts({1});
+    palette[262] = shorts({3});
+    palette[320] = shorts(std::vector<std::uint16_t>(3 * 256, 7));
+    CHECK_THAT(refusal_of_tiff(tiff_of({palette}, heights)), Contains("PhotometricInterpretation 3, a palette"));
+    for (const std::uint16_t colours : std::array<std::uint16_t, 4>{2, 4, 5, 8}) {
+        CHECK_THAT(refusal_with(262, shorts({colours})), Contains("its values are colours"));
+    }
+    CHECK(refusal_with(262, shorts({0})).empty());
+    CHECK(refusal_with(262, shorts({1})).empty());
 }
 
 TEST_CASE("a key of an ESRI ASCII grid stands once") {
