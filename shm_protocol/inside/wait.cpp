@@ -64,6 +64,15 @@ class PassedOnPause {
     bool passed_on_ = false;
 };
 
+// Returns true if what a task waits for has come; false, too, where it can no longer be read, as after this side's goodbye.
+bool has_come(const WaitTask& task) {
+    try {
+        return task.ready();
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 }  // namespace
 
 void Patience::count(double s) {
@@ -109,7 +118,7 @@ void wait_for_peer(const Sleep& sleep, const Waiting& waiting, const WaitTask& t
         try {
             check_interrupted(waiting, task.what());
         } catch (const Error&) {
-            if (task.ready()) return;  // it came before what interrupts, as an ordered end of the peer
+            if (has_come(task)) return;  // before what interrupts, as an ordered end of the peer
             throw;
         }
         task.after_slice();
