@@ -28,6 +28,8 @@ class Problems {
     }
 
     [[nodiscard]] bool none() const { return count_ == 0; }
+    // Returns true if a further sentence is only counted.
+    [[nodiscard]] bool is_full() const { return sentences_.size() == most_shown; }
 
     // Throws a ConfigurationError of all sentences, a line each, if there are any; the first `most_shown` if there are more.
     void throw_if_any() const;

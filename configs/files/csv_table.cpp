@@ -85,6 +85,8 @@ bool CsvTable::read_row() {
     if (at_ == text_.size()) return false;
     cells_.clear();
     while (true) {
+        if (cells_.size() == max_columns)
+            fail_here("it has more columns than " + std::to_string(max_columns) + "; allowed: up to as many.");
         cells_.push_back(read_cell());
         if (at_line_end()) break;
         ++at_;  // the comma

@@ -17,14 +17,15 @@ class Json;
 // Functions throw ConfigurationError that names file, line, what is allowed and the remedy.
 class CsvTable {
  public:
-    // The text stays with the caller. Throws for other separators than commas, for UTF-16 and for names that stand twice.
+    // The text stays with the caller. Throws for other separators than commas, for UTF-16, for names that
+    // stand twice and for more columns than max_columns.
     CsvTable(std::string_view text, std::string name);
 
     [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
     // Returns the number of the column with a name; that of the columns if there is none.
     [[nodiscard]] std::size_t column(std::string_view name) const;
 
-    static constexpr std::size_t max_rows = 500'000;
+    static constexpr std::size_t max_rows = 500'000, max_columns = 1000;
 
     // Moves to the next row, which has as many cells as there are columns; returns false at the end. Throws for more than max_rows.
     bool next();

@@ -86,10 +86,18 @@ class JsonReader {
         made.label = "feature " + std::to_string(i);
         if (type_of(feature) != "Feature") fail(made.label, "its type is no \"Feature\".");
         read_system(feature, made.label);
-        if (Json* const properties = feature.find("properties"); properties && properties->is_object())
+        if (Json* const properties = feature.find("properties"); properties && !properties->is_null()) {
+            if (!properties->is_object())
+                fail(made.label, "properties: expected an object, found " + shown(*properties) + " (" +
+                                     properties->type_name() + ").");
             take_properties(*properties, made);
+        }
         const Json& geometry = std::as_const(feature)["geometry"];
-        if (geometry.is_null()) return;
+        if (geometry.is_null()) {
+            if (!std::as_const(made.properties)["residents"].is_null())
+                fail(made.label, "it has residents and no geometry. Remedy: draw it, or take it out.");
+            return;
+        }
         take_geometry(geometry, made);
         found_.features.push_back(std::move(made));
     }
@@ -101,6 +109,8 @@ class JsonReader {
             made.name = name.get<std::string>();
             made.label += " (" + made.name.substr(0, 60) + ")";
         }
+        if (!name.is_null() && !name.is_string())
+            fail(made.label, "name: expected a string, found " + shown(name) + " (" + name.type_name() + ").");
         const Json& doors = std::as_const(made.properties)["doors"];
         if (doors.is_null()) return;
         if (!doors.is_array())

@@ -270,7 +270,8 @@ class TiffReader {
         const bool sound = std::all_of(scale.begin(), scale.begin() + 2, [](double v) { return v > 0 && v < 1e6; });
         if (!sound || !(std::abs(x) < 1e9) || !(std::abs(z) < 1e9) || !(std::abs(column) < 1e9) ||
             !(std::abs(row) < 1e9))
-            fail("its pixel scale or tie point is no place on a map");
+            fail("its pixel scale or tie point is no place on a map, north up and from west to east. " +
+                 import_words());
         constexpr double rounding = 1e-6;
         if (std::abs(scale[0] - scale[1]) > rounding * scale[0])
             fail("its cells are " + std::to_string(scale[0]) + " x " + std::to_string(scale[1]) +

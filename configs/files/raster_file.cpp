@@ -162,7 +162,10 @@ RasterFile read_esri_ascii(std::string_view text, const std::string& name) {
     raster.rows = count_of(header.rows, "nrows", words);
     if (!(header.cell > 0 && header.cell < 1e6))
         words.fail("the header's cellsize is " + std::to_string(header.cell) + "; allowed: > 0 and < 1e6.");
-    if (!(std::abs(header.x) < 1e9 && std::abs(header.z) < 1e9))
+    if (std::abs(header.x) >= 1e9 || std::abs(header.z) >= 1e9)
+        words.fail("the header's lower left corner is at " + std::to_string(header.x) + ", " +
+                   std::to_string(header.z) + "; allowed: from -1e9 to 1e9, m.");
+    if (std::isnan(header.x) || std::isnan(header.z))
         words.fail(
             "the header names no lower left corner; allowed: xllcorner and yllcorner, or xllcenter and yllcenter.");
     if (raster.rows > most_raster_cells / raster.columns)

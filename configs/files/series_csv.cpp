@@ -21,7 +21,10 @@ std::pair<std::size_t, std::size_t> columns_of_series(const CsvTable& table, con
     if (time < names.size() && names.size() == 2 && names[1 - time].find('_') == std::string::npos) value = 1 - time;
     if (time < names.size() && value < names.size()) return {time, value};
     std::string found;
-    for (const std::string& name : names) found += (found.empty() ? "" : ", ") + name.substr(0, 40);
+    constexpr std::size_t most_shown = 10;
+    for (std::size_t i = 0; i < std::min(names.size(), most_shown); ++i)
+        found += (i == 0 ? "" : ", ") + names[i].substr(0, 40);
+    if (names.size() > most_shown) found += ", ...";
     table.fail_here("its columns are " + found + "; allowed: a first line that names time_s and " + wanted +
                     ", with commas between columns.");
 }

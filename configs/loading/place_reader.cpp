@@ -157,6 +157,10 @@ class PlaceReader {
                  "file, points and a plane (level_m, slope_x, slope_z) say different things; allowed: one of them.");
         if (!keys.points.empty() && keys.points.size() < 3)
             fail("/ground/points", std::to_string(keys.points.size()) + " points; allowed: at least 3.");
+        constexpr std::size_t most_points = 10'000;  // [A] between which the ground is found by search
+        if (keys.points.size() > most_points)
+            fail("/ground/points", std::to_string(keys.points.size()) + " points; allowed: up to " +
+                                       std::to_string(most_points) + ". Remedy: a raster in /place/ground/file.");
         place_.epsg = keys_.epsg.value_or(0);
         if (const std::string fault = fault_of_system(place_.epsg); !fault.empty()) fail("/epsg", fault);
         std::optional<RasterFile> file;
@@ -227,7 +231,7 @@ class PlaceReader {
             return {{{{polygon}}, {}, {}, "/place" + pointer}};
         }
         if (!line.empty()) {
-            if (line.size() < 2) fail(pointer + "/line", "1 point; allowed: at least 2.");
+            if (!has_length(line)) fail(pointer + "/line", one_point);
             return {{{}, line, {}, "/place" + pointer}};
         }
         MapFeatures file = read_features(pointer, *name);
@@ -240,6 +244,8 @@ class PlaceReader {
                 fail(pointer + "/file", *name + ": " + feature.label + ": it is a " +
                                             (feature.polygon.rings.empty() ? "line" : "polygon") +
                                             "; allowed: " + (polygons ? "polygons" : "lines") + ".");
+            if (feature.polygon.rings.empty() && !has_length(feature.line))
+                fail(pointer + "/file", *name + ": " + feature.label + ": " + one_point);
             for (MapLine& ring : feature.polygon.rings) move(ring);
             move(feature.line);
             move(feature.doors);
@@ -256,6 +262,10 @@ class PlaceReader {
         check_system(file.epsg, name);
         if (file.features.empty()) fail(pointer + "/file", name + ": it holds no feature; allowed: at least one.");
         return file;
+    }
+    static bool has_length(const MapLine& line) {
+        return std::any_of(line.begin(), line.end(),
+                           [&](const MapPoint& p) { return p.x != line[0].x || p.z != line[0].z; });
     }
     void move(MapLine& line) const {
         for (MapPoint& point : line) {
@@ -439,6 +449,8 @@ class PlaceReader {
             place_.shelters.push_back({own.name, std::move(shape.polygon), own.capacity, shape.label, key.is_exit});
         }
     }
+
+    static constexpr const char* one_point = "the line has one point; allowed: at least 2 different ones.";
 
     const PlaceKeys& keys_;
     const std::string& source_;

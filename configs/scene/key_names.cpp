@@ -61,7 +61,8 @@ std::string words(Found found) {
 
 }  // namespace
 
-std::string nearest_key(const Json& present, const KeyNode& node, const std::string& name, const KeyNode& all) {
+std::string nearest_key(const Json& present, const KeyNode& node, const std::string& whole_name, const KeyNode& all) {
+    const std::string name = whole_name.substr(0, 100);  // longer than any key, so that the distances cost little
     std::string here;
     std::size_t nearest = std::numeric_limits<std::size_t>::max();
     bool is_set = true;

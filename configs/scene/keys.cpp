@@ -250,6 +250,7 @@ std::string allowed_values(const Key& key) {
 
 void note_unknown_key(const Json& present, const KeyNode& node, const std::string& key, const std::string& pointer,
                       const Reading& reading) {
+    if (reading.problems.is_full()) return reading.problems.note(pointer_to(pointer, key));
     reading.problems.note(reading.source + ": " + pointer_to(pointer, key) + ": unknown key " + shown(Json(key)) +
                           "; " + nearest_key(present, node, key, reading.keys) + ".");
 }

@@ -132,6 +132,10 @@ TEST_CASE("what is wrong with a series is named with its line and a remedy") {
     CHECK_THAT(refusal_of_series("time_s,discharge_l_s\n0,1\n"), Contains("its columns are time_s, discharge_l_s"));
     CHECK_THAT(refusal_of_series("time_s;discharge_m3_s\n0;1\n"), Contains("its columns stand between semicolons"));
     CHECK_THAT(refusal_of_series(head), Contains("there are no rows"));
+    std::string wide = "time_s,discharge_m3_s";
+    for (int column = 2; column < 1000; ++column) wide += ",c" + std::to_string(column);
+    CHECK_THAT(refusal_of_series(wide + "\n"), Contains("there are no rows"));
+    CHECK_THAT(refusal_of_series(wide + ",d\n"), Contains("line 1: it has more columns than 1000"));
 }
 
 TEST_CASE("residents are read by the names of their columns, and what is wrong is named with its line") {
