@@ -356,12 +356,15 @@ try {
     const { address, folder, water } = running[clock], late = { ms: 0 };
     waters.push(spawn(water[0], water.slice(1), { stdio: 'ignore' }));
     page = await open(address, 'dark=1&form=points&quality=low', { width: 740, height: 240 }, late);
-    await page.waitForFunction(() => wade.at().particles === 640 && document.querySelector('#state').textContent === 'running', null, patient);
+    await page.waitForFunction(() => wade.at().particles === 640 && wade.show.people.shown.length > 0 && document.querySelector('#state').textContent === 'running', null, patient);
     for (late.ms of [0, 200]) {
       const seen = await page.evaluate(watch, { many: 8 }), what = `live, clock ${clock}, ${late.ms} ms late`;
       console.log(`${what}: ${told(seen)}`);
       together(seen, what);
-      walking(seen, path.join(folder, 'poses.csv'), 20, what);
+      // At thousands of times real time a picture may come before the poses of its time are read.
+      const peopled = seen.filter((at) => at.places.length);
+      assert.ok(peopled.length >= (clock === 'fast' ? 0.5 : 1) * seen.length, `${what}: people in ${peopled.length} of ${seen.length} pictures`);
+      walking(peopled, path.join(folder, 'poses.csv'), 20, what);
     }
     if (clock === 'fast') {
       waters.pop().kill('SIGKILL');
