@@ -65,6 +65,11 @@ function together(seen, what) {
     assert.ok(Math.abs(at.water - at.time) < 0.1 + 1e-6, `${what}: water of ${at.water} s at ${at.time} s`);
   }
 }
+// The row of a person at frame k, or its last one before: at the end of a run rows may end first.
+const last_row = (frames, k, who) => {
+  while (k > 0 && !frames.get(k)?.has(who)) --k;
+  return frames.get(k)?.get(who);
+};
 // The people of each picture stand where poses.csv has them at the time of the clock, on a straight line between two rows, and walk.
 // The file has millimetres and the page floats; `period`: after which the world repeats, m.
 function walking(seen, file, period, what) {
@@ -77,7 +82,8 @@ function walking(seen, file, period, what) {
     assert.ok(places.length > 0, `${what}: nobody walks at ${time} s`);
     const k = Math.floor(10 * time + 1e-3), share = Math.max(0, 10 * time - k);
     for (const [who, px, pz] of places) {
-      const a = frames.get(k).get(who), b = frames.get(k + 1)?.get(who) ?? a;
+      const after = frames.get(k + 1)?.get(who), a = frames.get(k)?.get(who) ?? after ?? last_row(frames, k, who), b = after ?? a;
+      assert.ok(a, `${what}: person ${who} at ${time} s has no row`);
       most = Math.max(most, Math.abs(near(a[0] + share * near(b[0] - a[0]) - px)), Math.abs(a[1] + share * (b[1] - a[1]) - pz));
     }
   }
