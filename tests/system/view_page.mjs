@@ -65,7 +65,7 @@ function together(seen, what) {
     assert.ok(Math.abs(at.water - at.time) < 0.1 + 1e-6, `${what}: water of ${at.water} s at ${at.time} s`);
   }
 }
-// The row of a person at frame k, or its last one before: at the end of a run rows may end first.
+// The row of a person at frame k, or its last one before. Why a picture may show a person without a row at its time is not known.
 const last_row = (frames, k, who) => {
   while (k > 0 && !frames.get(k)?.has(who)) --k;
   return frames.get(k)?.get(who);
@@ -367,7 +367,7 @@ try {
       const seen = await page.evaluate(watch, { many: 8 }), what = `live, clock ${clock}, ${late.ms} ms late`;
       console.log(`${what}: ${told(seen)}`);
       together(seen, what);
-      // At thousands of times real time a picture may come before the poses of its time are read.
+      // At thousands of times real time some pictures have no people, a known fault of the page.
       const peopled = seen.filter((at) => at.places.length);
       assert.ok(peopled.length >= (clock === 'fast' ? 0.5 : 1) * seen.length, `${what}: people in ${peopled.length} of ${seen.length} pictures`);
       walking(peopled, path.join(folder, 'poses.csv'), 20, what);
