@@ -60,9 +60,10 @@ class Table(unittest.TestCase):
         people = {1: [person()], 2: [person("dead", 5)]}
         rows = list(compared(case, {("reference", ""): people, ("rate, 1/s", "8"): people}, lambda *_: True))
         self.assertEqual({row["warned"] for row in rows}, {"yes"})
-        self.assertEqual(counts(rows), (0, 0, 0, 0, 6, 0))
+        self.assertEqual(counts(rows), (0, 0, 0, 0, 0, 6, 0))
         self.assertEqual({row["verdict"] for row in rows}, {"equal"})
         self.assertTrue(all(set(row) <= set(COLUMNS) for row in rows))
+        self.assertEqual(counts([{**row, "warned": ""} for row in rows]), (6, 6, 6, 0, 0, 0, 0))
 
     def test_physical_choices_are_reported_without_a_limit(self):
         case = Case("toy", "toy", (rates(30, 8),), quick=True, choices=(WALKING,))

@@ -231,11 +231,12 @@ def shown(row):
 
 
 def counts(rows):
-    """What --check does not warn of: compared, equal, undecided, different; then compared and not equal of what it warns of."""
-    silent = [row["verdict"] for row in rows if not row["warned"] and row["verdict"] != "reported"]
+    """Counts what --check is silent on: compared, equal, of these alike, undecided, different; what it warns of: compared, not equal."""
+    silent = [row for row in rows if not row["warned"] and row["verdict"] != "reported"]
+    alike = sum(row["verdict"] == "equal" and row.get("low") == row.get("high") for row in silent)
     warned = [row["verdict"] for row in rows if row["warned"]]
-    return (len(silent), *(silent.count(word) for word in ("equal", "undecided", "different")), len(warned),
-            len(warned) - warned.count("equal"))
+    equal, *others = (sum(row["verdict"] == word for row in silent) for word in ("equal", "undecided", "different"))
+    return len(silent), equal, alike, *others, len(warned), len(warned) - warned.count("equal")
 
 
 def report(rows, options):
@@ -244,8 +245,10 @@ def report(rows, options):
     per_scene = [(scene, *counts([row for row in rows if row["scene"] == scene])) for scene in scenes]
     head = (f"# Convergence of outcomes\n\n`{options.command}`. A share is equal where the 95 % interval of the paired difference lies "
             f"within {SAME_POINTS:g} points, a time within {100 * SAME_TIME:g} %, and different where it lies outside. Physical choices "
-            "are reported and have no limit. `--check` warns of some values and names a remedy; their comparisons stand apart.\n")
-    table = markdown(("scene", "compared", "equal", "undecided", "different", "compared, warned", "not equal, warned"),
+            "are reported and have no limit. `--check` warns of some values and names a remedy; their comparisons stand apart. "
+            "*Alike* counts equal comparisons whose difference is the same in all seeds: their interval has no width, and a rare "
+            "difference can escape it.\n")
+    table = markdown(("scene", "compared", "equal", "alike", "undecided", "different", "compared, warned", "not equal, warned"),
                      [*per_scene, ("all", *counts(rows))])
     sections = []
     for scene in scenes:
