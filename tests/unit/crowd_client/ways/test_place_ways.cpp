@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <tuple>
+#include <vector>
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/crowd.hpp"
@@ -210,6 +212,35 @@ TEST_CASE("A house opens to the street, not into its court, and to where a route
     REQUIRE_FALSE(shut.warnings.empty());
     CHECK_THAT(shut.warnings.back(),
                Catch::Contains("/place/houses/0: no route leads from a door to a goal, so that 4 residents"));
+}
+
+TEST_CASE("Fields that wait for the first person outdoors equal those solved at each change of the water") {
+    Scene scene = two_shelters(1);
+    scene.place->houses[0].residents = 4;
+    scene.crowd->groups[0].starts = StartRule::houses;
+    scene.crowd->response = ResponseKind::measured;
+    scene.crowd->groups[0].leaving.after = 6;
+    const auto run = [&](bool solves_always) {
+        CrowdWorld crowd = make_crowd(scene);
+        std::vector<std::vector<double>> travel;
+        for (int k = 0; k < static_cast<int>(60 / crowd.dt) && crowd.sheltered < 4; ++k) {
+            // A pond that grows, dries and comes back elsewhere before the first departure.
+            const double t = k * crowd.dt;
+            const MadeUpWater none, wide = pond(2, 20, 2, 38, 0.1 + 0.1 * std::floor(t), 1.5),
+                                    far = pond(40, 58, 2, 38, 0.3, 0.5);
+            step(crowd, (t < 3 ? wide : t < 4 ? none : far).view());
+            if (solves_always) solve_due_ways(crowd.navigation, 1);
+            if (t >= 5.5) {
+                for (const WayField& field : crowd.navigation.fields) travel.push_back(field.travel);
+            }
+        }
+        return std::tuple(crowd.agents.position, crowd.sheltered, crowd.navigation.place->taken, travel);
+    };
+    const auto deferred = run(false), always = run(true);
+    CHECK(std::get<1>(deferred) == 4);
+    CHECK(std::get<0>(deferred) == std::get<0>(always));
+    CHECK(std::get<2>(deferred) == std::get<2>(always));
+    CHECK(std::get<3>(deferred).back() == std::get<3>(always).back());
 }
 
 TEST_CASE("A run in a place has the same bits for any number of threads") {
