@@ -9,7 +9,7 @@ namespace wade {
 namespace {
 
 // Of one list of a scene file [A].
-constexpr std::size_t most_entries = 50'000;
+constexpr std::size_t most_entries = 20'000;
 
 class Reader : public Fields {
  public:
