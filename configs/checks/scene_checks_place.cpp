@@ -359,15 +359,19 @@ void check_place(const Scene& scene, const std::string& source, Problems& proble
     if (!all_well) return;  // what follows looks for houses
     if (!problems.attempt([&] { check_houses_beside(scene, source); })) return;
     const HouseFinder houses(scene);
-    for (const Source& made : place.sources) problems.attempt([&] { check_source(made, scene, houses, source); });
+    bool ends_well = true;
+    for (const Source& made : place.sources)
+        ends_well = problems.attempt([&] { check_source(made, scene, houses, source); }) && ends_well;
     const auto check_shape = [&](const MapPolygon& polygon, const MapLine& line, const Limits& limits,
                                  const std::string& label) {
-        problems.attempt([&] {
+        return problems.attempt([&] {
             check_in_world(polygon, line, limits, scene, label, source);
             if (line.empty()) check_rings(polygon, label, source);
         });
     };
-    for (const Outlet& outlet : place.outlets) check_shape(outlet.polygon, outlet.line, works, outlet.label);
+    for (const Outlet& outlet : place.outlets)
+        ends_well = check_shape(outlet.polygon, outlet.line, works, outlet.label) && ends_well;
+    if (ends_well) check_outlets(scene, source, problems);
     for (const ManningZone& zone : place.roughness.zones) check_shape(zone.polygon, {}, areas, zone.label);
     for (const StandingWater& water : place.water)
         if (!water.polygon.rings.empty()) check_shape(water.polygon, {}, areas, water.label);

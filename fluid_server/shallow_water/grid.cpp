@@ -63,11 +63,7 @@ void for_each_cell(const Grid& grid, Body&& body) {
 
 Grid make_grid(const Scene& scene) {
     Grid grid;
-    const double size = scene.fluid->shallow_water.cell_size;
-    grid.x = scene.channel->x, grid.z = scene.channel->z;
-    grid.nx = cells_along(grid.x, size), grid.nz = cells_along(grid.z, size);
-    grid.dx = grid.x.length() / static_cast<double>(grid.nx);
-    grid.dz = grid.z.length() / static_cast<double>(grid.nz);
+    static_cast<MapCells&>(grid) = map_cells(scene.channel->x, scene.channel->z, scene.fluid->shallow_water.cell_size);
     grid.stride = line_values + whole_lines(grid.nx + Grid::ghosts);
     return grid;
 }

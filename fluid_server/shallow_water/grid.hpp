@@ -9,21 +9,19 @@
 #include <cstddef>
 #include <vector>
 
+#include "configs/checks/map_cells.hpp"
 #include "configs/scene/interval.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/shallow_water/row_memory.hpp"
 
 namespace wade::fluid::shallow_water {
 
-struct Grid {
+// The cells of the channel, or of a place, as they lie in memory.
+struct Grid : MapCells {
     static constexpr std::size_t ghosts = 2;
 
-    Interval x, z;               // of the channel, m
-    std::size_t nx = 0, nz = 0;  // cells along x and across
-    double dx = 0, dz = 0;       // m
-    std::size_t stride = 0;      // of a row, ghosts included
+    std::size_t stride = 0;  // of a row, ghosts included
 
-    [[nodiscard]] std::size_t cells() const { return nx * nz; }
     [[nodiscard]] double cell_area() const { return dx * dz; }
     [[nodiscard]] std::size_t stored() const { return stride * (nz + 2 * ghosts); }
     // x of the face below cell i of a row, m.

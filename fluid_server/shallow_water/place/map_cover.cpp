@@ -195,34 +195,4 @@ Cover cover_of(const Grid& grid, const std::vector<const MapPolygon*>& polygons)
     return cover;
 }
 
-std::vector<std::size_t> cells_on(const Grid& grid, const MapLine& line) {
-    std::vector<std::size_t> cells;
-    const auto add = [&](double x, double z) {
-        const double i = std::floor((x - grid.x.lo) / grid.dx), k = std::floor((z - grid.z.lo) / grid.dz);
-        if (i < 0 || k < 0 || i >= static_cast<double>(grid.nx) || k >= static_cast<double>(grid.nz)) return;
-        cells.push_back(static_cast<std::size_t>(k) * grid.nx + static_cast<std::size_t>(i));
-    };
-    for (std::size_t n = 1; n < line.size(); ++n) {
-        const MapPoint &a = line[n - 1], &b = line[n];
-        // In the middle between every two crossings of faces it lies in a cell; a line on the far edge lies in the last one.
-        std::vector<double> parts{0, 1};
-        const auto crossings = [&](double from, double to, double lo, double size) {
-            if (from == to) return;
-            const double first = (std::min(from, to) - lo) / size, last = (std::max(from, to) - lo) / size;
-            for (double f = std::ceil(first); f <= last; ++f) parts.push_back((lo + f * size - from) / (to - from));
-        };
-        crossings(a.x, b.x, grid.x.lo, grid.dx);
-        crossings(a.z, b.z, grid.z.lo, grid.dz);
-        std::sort(parts.begin(), parts.end());
-        for (std::size_t p = 1; p < parts.size(); ++p) {
-            const double t = 0.5 * (parts[p - 1] + parts[p]);
-            const double x = a.x + t * (b.x - a.x), z = a.z + t * (b.z - a.z);
-            add(x >= grid.x.hi ? x - 0.5 * grid.dx : x, z >= grid.z.hi ? z - 0.5 * grid.dz : z);
-        }
-    }
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return cells;
-}
-
 }  // namespace wade::fluid::shallow_water

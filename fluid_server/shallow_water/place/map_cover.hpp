@@ -29,7 +29,4 @@ struct Cover {
 };
 Cover cover_of(const Grid& grid, const std::vector<const MapPolygon*>& polygons);
 
-// The cells, k * nx + i, that a line crosses or touches, ascending.
-std::vector<std::size_t> cells_on(const Grid& grid, const MapLine& line);
-
 }  // namespace wade::fluid::shallow_water

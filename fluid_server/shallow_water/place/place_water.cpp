@@ -40,27 +40,30 @@ std::size_t memory_place(const Grid& grid, std::size_t number) {
     return grid.row(static_cast<std::ptrdiff_t>(number / grid.nx)) + number % grid.nx;
 }
 
-PlaceSource make_source(const Source& source, const Grid& grid, const Openings& openings) {
+// `taken`: cells of outlets, by place in the grid's memory.
+PlaceSource make_source(const Source& source, const Grid& grid, const Openings& openings,
+                        const std::vector<bool>& taken) {
     PlaceSource result{source.discharge, {}};
     const Area area = area_of(grid, source.polygon, source.line);
     double open = 0;
     for (std::size_t n = 0; n < area.cells.size(); ++n) {
         const std::size_t c = memory_place(grid, area.cells[n]);
-        if (openings.share_of(c) <= 0) continue;
+        if (openings.share_of(c) <= 0 || taken[c]) continue;
         open += area.share[n] * openings.share_of(c) * grid.cell_area();
         result.cells.push_back({c, area.share[n]});
     }
     if (result.cells.empty()) {
         throw ConfigurationError(source.label +
                                  ": the source lies on no open ground: it is inside houses, beyond the "
-                                 "ground or too small for a cell. Remedy: move it.");
+                                 "ground, in an outlet or too small for a cell. Remedy: move it.");
     }
     for (SourceCell& cell : result.cells) cell.per_volume /= open;
     return result;
 }
 
-PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& openings) {
-    PlaceOutlet result{outlet.kind, outlet.stage, {}, {}, {}};
+// Returns the cells of an outlet, in ascending order, and marks them in `taken`; cells of outlets before it stay theirs.
+std::vector<std::size_t> cells_of_outlet(const Outlet& outlet, const Grid& grid, const Openings& openings,
+                                         std::vector<bool>& taken) {
     const Area area = area_of(grid, outlet.polygon, outlet.line);
     std::vector<std::size_t> cells;
     for (std::size_t n = 0; n < area.cells.size(); ++n) {
@@ -78,18 +81,25 @@ PlaceOutlet make_outlet(const Outlet& outlet, const Grid& grid, const Openings& 
         }
     }
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    std::erase_if(cells, [&](std::size_t c) { return taken[c]; });
     if (cells.empty()) {
         throw ConfigurationError(outlet.label +
                                  ": the outlet lies on no open ground: it is inside houses, beyond the "
-                                 "ground or too small for a cell. Remedy: move it.");
+                                 "ground, in another outlet or too small for a cell. Remedy: move it.");
     }
-    const auto is_outlet = [&](std::size_t c) { return std::binary_search(cells.begin(), cells.end(), c); };
+    for (const std::size_t c : cells) taken[c] = true;
+    return cells;
+}
+
+PlaceOutlet make_outlet(const Outlet& outlet, const std::vector<std::size_t>& cells, const Grid& grid,
+                        const Openings& openings, const std::vector<bool>& taken) {
+    PlaceOutlet result{outlet.kind, outlet.stage, {}, {}, {}};
     for (const std::size_t c : cells) {
         OutletCell cell;
         cell.cell = c;
         const std::size_t i = c % grid.stride - line_values, k = c / grid.stride - Grid::ghosts;
         const auto look = [&](bool exists, std::size_t other, std::size_t face, bool along_x, double sign) {
-            if (!exists || is_outlet(other)) return;
+            if (!exists || taken[other]) return;
             if (openings.any() && (along_x ? openings.face_x : openings.face_z)[face] <= 0) return;
             cell.inside[cell.count++] = other;
             (along_x ? cell.normal_x : cell.normal_z) += sign;
@@ -179,10 +189,14 @@ State outlet_state(const PlaceCells& cells, const PlaceOutlet& outlet, const Out
 
 PlaceWater make_place_water(const Place& place, const Grid& grid, const Openings& openings) {
     PlaceWater result;
-    for (const Source& source : place.sources) result.sources.push_back(make_source(source, grid, openings));
+    std::vector<bool> taken(grid.stored(), false);
+    std::vector<std::vector<std::size_t>> cells;
+    for (const Outlet& outlet : place.outlets) cells.push_back(cells_of_outlet(outlet, grid, openings, taken));
+    for (const Source& source : place.sources) result.sources.push_back(make_source(source, grid, openings, taken));
     result.rain = place.rain;
     for (SeriesPoint& p : result.rain) p.value *= metres_per_second;
-    for (const Outlet& outlet : place.outlets) result.outlets.push_back(make_outlet(outlet, grid, openings));
+    for (std::size_t n = 0; n < cells.size(); ++n)
+        result.outlets.push_back(make_outlet(place.outlets[n], cells[n], grid, openings, taken));
     for (const Gate& gate : place.gates) result.openings_of_gates.push_back(gate.opens_at);
     std::sort(result.openings_of_gates.begin(), result.openings_of_gates.end());
     return result;

@@ -233,3 +233,82 @@ TEST_CASE("people of a place without houses, shelters or a group are refused wit
                                                                                     {"time_s": 4, "share": 0.6}]})")),
                Contains("/crowd/groups/0/leaves/table/1: time 4 s, share 0.6 go back"));
 }
+
+TEST_CASE("outlets that share cells with an outlet or a source are refused, those that touch end to end are not") {
+    const auto of = [](const std::string& keys) {
+        return load_or_refusal(keys, ground_raster(), R"(, "fluid": {"shallow_water": {"cell_size_m": 1}})");
+    };
+    const auto line = [](const std::string& points, const std::string& more = "") {
+        return R"({"line": [)" + points + "]" + more + "}";
+    };
+    const auto area = [](const std::string& points, const std::string& more = "") {
+        return R"({"polygon": [)" + points + "]" + more + "}";
+    };
+    const auto two = [&](const std::string& a, const std::string& b) {
+        return of(R"("outlets": [)" + a + ", " + b + "]");
+    };
+    const std::string west = "[0, 2.1], [0, 7.9]", sea = R"(, "name": "sea", "kind": "stage", "level_m": 11)",
+                      wave = R"(, "kind": "wave", "level_m": 11)", box = "[0, 2], [3, 2], [3, 6], [0, 6]";
+    const auto clash = [](int cells, int of_cells, const std::string& other = "") {
+        return "/place/outlets/1: it covers " + std::to_string(cells) + " of the " + std::to_string(of_cells) +
+               " cells of 1 m of /place/outlets/0" + other + ", the first at x ";
+    };
+    CHECK_THAT(
+        two(line(west, sea), line(west, sea)),
+        Contains("scene.json: /place/outlets/1 (sea): it covers 6 of the 6 cells of 1 m of /place/outlets/0 (sea), "
+                 "the first at x 0.5 m, z 2.5 m; allowed: an outlet beside it, end to end"));
+    for (const std::string& kind : {std::string(), sea, wave})
+        CHECK_THAT(two(line(west, kind), line("[0, 7.9], [0, 2.1]")),
+                   Contains(clash(6, 6, kind == sea ? " (sea)" : "")));
+    CHECK_THAT(two(line(west, wave), line("[0.3, 6.5], [0.4, 9.5]")), Contains(clash(2, 6)));
+    CHECK_THAT(two(line(west), line("[0, 5], [4, 5]")), Contains(clash(1, 6)));  // starts in its middle
+    CHECK_THAT(two(line(west), line("[0, 1.2], [0, 1.8], [0.5, 9]")), Contains(clash(6, 6)));
+    CHECK_THAT(two(line("[0, 4], [0, 4.9]"), line("[0, 4.5], [0, 8]")),
+               Contains(clash(1, 1)));  // has no cell of its own
+    CHECK_THAT(two(area(box), area("[2, 3], [6, 3], [6, 5], [2, 5]")), Contains(clash(2, 12)));
+    CHECK_THAT(two(area(box, sea), area(box)), Contains(clash(12, 12, " (sea)")));
+    CHECK_THAT(two(area(box), line(west)), Contains(clash(4, 12)));
+    CHECK_THAT(two(line(west), area(box)), Contains(clash(4, 6)));
+    CHECK_THAT(of(R"("outlets": [)" + line(west) + R"(], "sources": [)" + line(west, R"(, "discharge_m3_s": 1)") + "]"),
+               Contains("/place/sources/0: it covers 6 of the 6 cells of 1 m of /place/outlets/0") &&
+                   Contains("allowed: a source beside it, end to end, as what comes in there would leave at once"));
+    CHECK_THAT(of(R"("outlets": [)" + area(box) + R"(], "sources": [)" +
+                  area("[2, 3], [6, 3], [6, 5], [2, 5]", R"(, "discharge_m3_s": 1)") + "]"),
+               Contains("/place/sources/0: it covers 2 of the 12 cells"));
+
+    for (const std::string next :
+         {"[0, 7.9], [0, 10]", "[0, 8], [0, 10]", "[0, 8.3], [0, 10]", "[0, 0], [0, 2.1]", "[1, 2], [1, 8]"})
+        CHECK(two(line(west), line(next, sea)).empty());
+    CHECK(two(line("[0, 0], [0, 4.4]"), line("[0, 4.4], [0, 10]", wave)).empty());  // both end in one cell
+    CHECK(two(line("[0, 10], [0, 0]"), line("[0, 0], [20, 0]")).empty());           // round a corner
+    CHECK(two(area(box), area("[3, 2], [6, 2], [6, 6], [3, 6]", sea)).empty());
+    CHECK(two(area("[0, 2.5], [3.5, 2.5], [3.5, 6], [0, 6]"), area("[3.5, 2], [6, 2], [6, 6], [3.5, 6]")).empty());
+    CHECK(two(area(box), line("[0, 6], [0, 10]")).empty());
+    CHECK(two(line("[0, 6.4], [0, 10]"), area("[0, 2], [3, 2], [3, 6.6], [0, 6.6]")).empty());  // ends in its edge
+    CHECK(of(R"("outlets": [)" + line(west) + R"(], "sources": [)" +
+             line("[0, 8], [0, 10]", R"(, "discharge_m3_s": 1)") + "]")
+              .empty());
+    // A line 1 m off covers the same cells of 2 m.
+    const std::string beside = R"("outlets": [)" + line(west) + ", " + line("[1, 2], [1, 8]") + "]";
+    CHECK_THAT(load_or_refusal(beside, ground_raster(), R"(, "fluid": {"shallow_water": {"cell_size_m": 2}})"),
+               Contains("cells of 2 m of /place/outlets/0"));
+}
+
+TEST_CASE("outlets of files that share cells are named by feature") {
+    const wade::test::TemporaryFolder folder;
+    const auto feature = [](const std::string& name, int from, int to) {
+        const auto at = [](int z) { return "[500100, " + std::to_string(6000200 + z) + "]"; };
+        return R"({"type": "Feature", "properties": {"name": ")" + name +
+               R"("}, "geometry": {"type": "LineString", "coordinates": [)" + at(from) + ", " + at(to) + "]}}";
+    };
+    const auto of = [&](const std::string& features) {
+        const auto file =
+            folder.write("sea.geojson", R"({"type": "FeatureCollection", "features": [)" + features + "]}");
+        return load_or_refusal(R"("outlets": [{"kind": "stage", "level_m": 11, "file": ")" + file.string() + R"("}])");
+    };
+    CHECK_THAT(of(feature("a", 0, 6) + ", " + feature("b", 4, 10)),
+               Contains("/place/outlets/0: ") &&
+                   Contains("sea.geojson: feature 1 (b): it covers 5 of the 13 cells of 0.5 m of ") &&
+                   Contains("sea.geojson: feature 0 (a), the first"));
+    CHECK(of(feature("a", 0, 6) + ", " + feature("b", 6, 10)).empty());
+}

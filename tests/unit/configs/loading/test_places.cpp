@@ -86,7 +86,7 @@ TEST_CASE("houses, zones, sources and shelters of files are in the scene's metre
                 "manning": {"n": 0.04, "zones": [{"file": "houses.geojson", "n": 0.1}]},
                 "sources": [{"name": "creek", "line": [[0, 1], [0, 9]], "hydrograph_csv": "q.csv"}],
                 "rain": {"rate_mm_h": 30},
-                "outlets": [{"line": [[20, 0], [20, 10]]}, {"kind": "stage", "level_m": 9, "polygon": [[18, 0], [20, 0], [20, 3]]}],
+                "outlets": [{"line": [[20, 4], [20, 10]]}, {"kind": "stage", "level_m": 9, "polygon": [[18, 0], [20, 0], [20, 3]]}],
                 "gates": [{"line": [[5, 0], [5, 10]], "opens_at_s": 7}],
                 "water": [{"level_m": 10.2, "polygon": [[0, 0], [5, 0], [5, 10]]}],
                 "shelters": [{"file": "houses.geojson", "capacity": 100}]})"))

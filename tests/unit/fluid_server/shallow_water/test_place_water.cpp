@@ -278,6 +278,44 @@ TEST_CASE("a stage with its line within the water holds its level", "[place]") {
     for (const double x : {2.5, 57.5}) CHECK(level_at(world, x) == Approx(2).margin(0.02));
 }
 
+// Parts of the line end on a face and in a cell, and areas on a face and in the middle of cells.
+TEST_CASE("outlets end to end give the bits of one outlet, and each has its own cells", "[place]") {
+    using namespace outlets_test;
+    const auto hash_of = [](const std::vector<std::pair<MapLine, MapPolygon>>& parts) {
+        Scene scene = harbour({{0, 1}, {60, 2}}, 1);
+        scene.place->outlets.clear();
+        for (const auto& [line, polygon] : parts)
+            scene.place->outlets.push_back({"sea", OutletKind::stage, polygon, line, {{0, 1}, {60, 2}}});
+        ShallowWater world(scene);
+        std::size_t cells = 0;
+        for (const PlaceOutlet& outlet : world.place->outlets) cells += outlet.cells.size();
+        run_and_look(world, 100, [](double) {});
+        return std::pair(cells, world.water.h);
+    };
+    const auto line = [](double from, double to) { return std::pair(MapLine{{0, from}, {0, to}}, MapPolygon()); };
+    const auto area = [](double from, double to) {
+        return std::pair(MapLine(), MapPolygon{{{{0, from}, {2, from}, {2, to}, {0, to}}}});
+    };
+    const auto one = hash_of({line(0, 4)});
+    CHECK(one.first == 4);
+    CHECK(hash_of({line(0, 2), line(2, 4)}) == one);
+    CHECK(hash_of({line(0, 1.5), line(1.5, 4)}) == one);
+    CHECK(hash_of({line(3, 4), line(0, 1.2), line(1.2, 3)}) == one);
+    CHECK(hash_of({area(0, 1.5), area(1.5, 4)}) == hash_of({area(0, 4)}));
+}
+
+// All of the discharge comes in, beside the cell that the source shares with an outlet.
+TEST_CASE("a source that ends in a cell of an outlet loses nothing there", "[place]") {
+    using namespace outlets_test;
+    Scene scene = basin_with(OutletKind::free, {}, 10, 1, 0.5);
+    scene.place->outlets[0].line = {{0, 0}, {0, 1.5}};
+    scene.place->sources = {{"creek", {}, {{0, 1.5}, {0, 4}}, {{0, 0.01}}}};
+    const ShallowWater world(scene);
+    CHECK(world.place->outlets[0].cells.size() == 2);
+    REQUIRE(world.place->sources[0].cells.size() == 2);
+    for (const SourceCell& cell : world.place->sources[0].cells) CHECK(cell.per_volume == 0.5);
+}
+
 TEST_CASE("a river that leaves through a stage keeps its level at once", "[place]") {
     using namespace outlets_test;
     Scene scene = basin_with(OutletKind::stage, {{0, 1}}, 100, 1, 1, 0.002);
