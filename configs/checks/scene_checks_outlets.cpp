@@ -73,7 +73,7 @@ double work_of(const End& end, double cell) {
 
 class OutletCells {
  public:
-    OutletCells(const Scene& scene, const std::string& source) : source_(source) {
+    OutletCells(const Scene& scene, const std::string& source) : source_(source), ground_(scene.place->ground) {
         const double size = scene.fluid->model == ModelKind::dfsph ? scene.fluid->particle_spacing
                                                                    : scene.fluid->shallow_water.cell_size;
         grid_ = map_cells({0, scene.world->length}, {0, scene.world->width}, size);
@@ -82,6 +82,7 @@ class OutletCells {
     void add(const Outlet& outlet) {
         const WaterEnd& end = outlets_.emplace_back(end_of(outlet));
         refuse_shared(end, "an outlet", "each cell has one water outside");
+        if (outlet.kind == OutletKind::wave) check_rest(outlet, end);
         for (const CellSpan& span : end.spans) own(span, outlets_.size() - 1);
     }
     void check(const Source& made) {
@@ -134,6 +135,28 @@ class OutletCells {
         }
     }
 
+    // A wave comes and leaves over water: at least one cell of the outlet is wet at rest.
+    void check_rest(const Outlet& outlet, const WaterEnd& end) const {
+        constexpr std::size_t most_points = 10'000'000;  // [A] from which heights are found: 0.1 s
+        const std::size_t step =
+            1 + count_of(end.spans) * std::max<std::size_t>(1, ground_.points.size()) / most_points;
+        const double rest = outlet.stage.front().value;
+        double lowest = INFINITY;
+        std::size_t n = 0;
+        for (const CellSpan& span : end.spans) {
+            for (std::size_t cell = span.first; cell <= span.last && lowest >= rest; ++cell) {
+                if (n++ % step == 0) lowest = std::min(lowest, ground_height(ground_, grid_.centre_of(cell)));
+            }
+        }
+        if (lowest < rest || end.spans.empty()) return;
+        refuse(
+            source_, end.words,
+            "its level at rest, the first one, is " + short_number(rest) + " m, and the lowest bed of its cells is " +
+                short_number(lowest) +
+                " m; allowed with kind \"wave\": a level above it, as waves need water at rest. Remedy: draw it where "
+                "there is water, or kind \"stage\".");
+    }
+
     void own(const CellSpan& span, std::size_t owner) {
         std::vector<CellSpan> free;
         std::size_t from = span.first;
@@ -149,6 +172,7 @@ class OutletCells {
         std::size_t last = 0, owner = 0;
     };
     const std::string& source_;
+    const Ground& ground_;
     MapCells grid_;
     double work_ = 0;
     std::vector<WaterEnd> outlets_;

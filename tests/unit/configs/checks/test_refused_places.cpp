@@ -312,3 +312,26 @@ TEST_CASE("outlets of files that share cells are named by feature") {
                    Contains("sea.geojson: feature 0 (a), the first"));
     CHECK(of(feature("a", 0, 6) + ", " + feature("b", 6, 10)).empty());
 }
+
+TEST_CASE("a wave needs water at rest in a cell of its outlet") {
+    const auto of = [](const std::string& level, const std::string& points = "[0, 2], [0, 8]",
+                       const std::string& raster = ground_raster()) {
+        return load_or_refusal(
+            R"("outlets": [{"kind": "wave", "level_m": )" + level + R"(, "line": [)" + points + "]}]", raster);
+    };
+    for (const std::string level : {"9", "10"})
+        CHECK_THAT(of(level),
+                   Contains("/place/outlets/0: its level at rest, the first one, is " + level +
+                            " m, and the lowest bed of its cells is 10 m; allowed with kind \"wave\": a level "
+                            "above it") &&
+                       Contains("or kind \"stage\""));
+    CHECK(of("10.1").empty());
+    CHECK(of("9", "[9, 2], [9, 8]", ground_raster("8")).empty());  // one cell is wet
+    const TemporaryFolder folder;
+    const auto file = folder.write("w.csv", "time_s,level_m\n0,9\n60,12\n");
+    CHECK_THAT(
+        load_or_refusal(R"("outlets": [{"kind": "wave", "polygon": [[0, 2], [4, 2], [4, 6], [0, 6]], "stage_csv": ")" +
+                        file.string() + R"("}])"),
+        Contains("/place/outlets/0: its level at rest, the first one, is 9 m"));
+    CHECK(load_or_refusal(R"("outlets": [{"kind": "stage", "level_m": 9, "line": [[0, 2], [0, 8]]}])").empty());
+}
