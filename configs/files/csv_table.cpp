@@ -38,6 +38,27 @@ std::size_t CsvTable::column(std::string_view name) const {
     return static_cast<std::size_t>(std::find(columns_.begin(), columns_.end(), name) - columns_.begin());
 }
 
+void CsvTable::check_columns(const std::vector<CsvColumn>& known) const {
+    std::string allowed;
+    for (const CsvColumn& one : known)
+        allowed +=
+            (allowed.empty() ? "" : ", ") + one.name + (one.unit.empty() ? "" : " [" + std::string(one.unit) + "]");
+    const auto is_number = [](const std::string& name) {
+        return name.find_first_not_of("0123456789+-.eE") == std::string::npos;
+    };
+    if (std::ranges::all_of(columns_, is_number))
+        fail_here("it has no names of columns; allowed: a first line of names, which tell the units: " + allowed + ".");
+    for (const std::string& name : columns_) {
+        if (std::ranges::any_of(known, [&](const CsvColumn& one) { return one.name == name; })) continue;
+        fail_here("there is no column \"" + name.substr(0, 40) + "\"; allowed: " + allowed +
+                  ". Remedy: bring the values into these units, name the columns so, and take out others.");
+    }
+    for (const CsvColumn& one : known) {
+        if (one.needed && column(one.name) == columns_.size())
+            fail_here("the column " + one.name + " is missing; allowed: " + allowed + ".");
+    }
+}
+
 bool CsvTable::next() {
     if (!read_row()) return false;
     if (++rows_ > max_rows) fail("it has more rows than " + std::to_string(max_rows) + "; allowed: up to as many.");

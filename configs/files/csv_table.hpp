@@ -12,6 +12,13 @@ namespace wade {
 
 class Json;
 
+// A column that a table may have.
+struct CsvColumn {
+    std::string name;
+    std::string_view unit;  // of its values; empty: none
+    bool needed = false;
+};
+
 // Reads a table row by row. The first row names the columns. Cells may stand in quotes, with commas, line breaks and doubled quotes in
 // them; blanks round other cells are left out. Lines may end with LF, CR or CRLF. Blank lines and lines that begin with '#' are left out.
 // Functions throw ConfigurationError that names file, line, what is allowed and the remedy.
@@ -24,6 +31,9 @@ class CsvTable {
     [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
     // Returns the number of the column with a name; that of the columns if there is none.
     [[nodiscard]] std::size_t column(std::string_view name) const;
+    // Throws for a first line of numbers, for a column that is not among these, such as one in another unit, and for a needed
+    // one that is missing. Columns may have any order.
+    void check_columns(const std::vector<CsvColumn>& known) const;
 
     static constexpr std::size_t max_rows = 500'000, max_columns = 1000;
 

@@ -55,22 +55,13 @@ const std::vector<ResidentColumn>& columns_of_residents() {
 }
 
 std::vector<const ResidentColumn*> columns_of(const CsvTable& table) {
-    std::string allowed;
-    for (const ResidentColumn& known : columns_of_residents()) allowed += (allowed.empty() ? "" : ", ") + known.name;
+    const std::vector<ResidentColumn>& all = columns_of_residents();
+    std::vector<CsvColumn> known;
+    for (const ResidentColumn& one : all) known.push_back({one.name, one.key.unit, one.name == "x" || one.name == "y"});
+    table.check_columns(known);
     std::vector<const ResidentColumn*> columns;
-    for (const std::string& name : table.columns()) {
-        const auto& all = columns_of_residents();
-        const auto known =
-            std::find_if(all.begin(), all.end(), [&](const ResidentColumn& column) { return column.name == name; });
-        if (known == all.end())
-            table.fail_here("there is no column \"" + name.substr(0, 40) + "\"; allowed: " + allowed + ".");
-        columns.push_back(&*known);
-    }
-    for (const char* const needed : {"x", "y"}) {
-        if (table.column(needed) == table.columns().size())
-            table.fail_here(std::string("there is no column ") + needed +
-                            "; allowed: x and y, m in the place's system.");
-    }
+    for (const std::string& name : table.columns())
+        columns.push_back(&*std::ranges::find(all, name, &ResidentColumn::name));
     return columns;
 }
 

@@ -13,22 +13,6 @@ namespace wade {
 
 namespace {
 
-// The columns of time and of the value. Of two columns the second may have any name, such as q, unless it ends in a unit of its own.
-std::pair<std::size_t, std::size_t> columns_of_series(const CsvTable& table, const std::string& wanted) {
-    const std::vector<std::string>& names = table.columns();
-    const std::size_t time = table.column("time_s");
-    std::size_t value = table.column(wanted);
-    if (time < names.size() && names.size() == 2 && names[1 - time].find('_') == std::string::npos) value = 1 - time;
-    if (time < names.size() && value < names.size()) return {time, value};
-    std::string found;
-    constexpr std::size_t most_shown = 10;
-    for (std::size_t i = 0; i < std::min(names.size(), most_shown); ++i)
-        found += (i == 0 ? "" : ", ") + names[i].substr(0, 40);
-    if (names.size() > most_shown) found += ", ...";
-    table.fail_here("its columns are " + found + "; allowed: a first line that names time_s and " + wanted +
-                    ", with commas between columns.");
-}
-
 // Returns true for the numbers that mark missing data in tables of gauges and in rasters.
 bool is_no_data(double value) {
     constexpr std::array marks{-99.0,   -99.9,   -99.99,   -999.0,   -999.9,   -999.99,
@@ -49,8 +33,9 @@ Series parse_series(std::string_view text, const std::string& name, const Key& k
     CsvTable table(text, name);
     const std::string rows = "there are no rows; allowed: a line of names, time_s and " + column + ", then one a time.";
     if (table.columns().empty()) table.fail(rows);
-    const auto [time_column, value_column] = columns_of_series(table, column);
     const Key time_key{"time_s", KeyKind::number, "Time.", "s", from(-1e6).to(1e6)};
+    table.check_columns({{"time_s", time_key.unit, true}, {column, key.unit, true}});
+    const std::size_t time_column = table.column("time_s"), value_column = table.column(column);
     Series series;
     std::string last;
     while (table.next()) {

@@ -34,7 +34,11 @@ Json history_of(const std::string& cell) {
 class PeopleTable {
  public:
     PeopleTable(const std::filesystem::path& file, const std::string& context, Problems& problems)
-        : text_(read_text_file(file, context)), table_(text_, file.string()), problems_(problems) {}
+        : text_(read_text_file(file, context)), table_(text_, file.string()), problems_(problems) {
+        std::vector<CsvColumn> known;
+        for (const KeyNode& node : keys().inside) known.push_back({std::string(node.key.name), node.key.unit});
+        if (!table_.columns().empty()) table_.check_columns(known);
+    }
 
     // An array of objects; an empty cell sets nothing.
     Json people() {
@@ -45,18 +49,17 @@ class PeopleTable {
     }
 
  private:
+    static const KeyNode& keys() { return *scene_keys().find("crowd")->find("people"); }
+
     Json person() {
-        static const KeyNode& keys = *scene_keys().find("crowd")->find("people");
         const std::string source = table_.here();
         Json person = Json::object();
         for (std::size_t i = 0; i < table_.columns().size(); ++i) {
             const std::string &name = table_.columns()[i], &cell = table_.cell(i);
-            const KeyNode* const known = keys.find(name);
-            if (!cell.empty())
-                person[name] =
-                    name == "tau_history" ? history_of(cell) : value_of_cell(cell, known ? known->key : Key());
+            const Key& key = keys().find(name)->key;
+            if (!cell.empty()) person[name] = name == "tau_history" ? history_of(cell) : value_of_cell(cell, key);
         }
-        KeyNode of_one = keys;
+        KeyNode of_one = keys();
         of_one.key.kind = KeyKind::object;
         check_keys(person, of_one, "", {source, problems_, of_one});
         check_size(person, source);
