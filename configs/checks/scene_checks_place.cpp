@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -304,16 +305,23 @@ void check_gauge(const Gauge& gauge, const Scene& scene, const HouseFinder& hous
                  gauge.name + " at " + at_words(gauge.at.x, gauge.at.z) + " is " + where + ". Remedy: move it.");
 }
 
-// Finds people of the table that stand on one another: outdoors by square metres, indoors by houses.
+// Finds people of the table that stand on one another: outdoors by square metres, indoors by houses; and more people outdoors
+// than bodies find room in all of the world.
 void check_crowding(const Scene& scene, const HouseFinder& houses, const std::string& source) {
     if (!scene.place->residents) return;
     constexpr int most_outdoors = 10, most_indoors = 100'000;  // on a square metre; as /place/houses/*/residents
-    std::map<std::pair<std::int64_t, std::int64_t>, int> outdoors;
-    std::map<const House*, int> indoors;
-    for (const Resident& one : *scene.place->residents) {
+    const std::vector<Resident>& residents = *scene.place->residents;
+    std::unordered_map<std::uint64_t, int> outdoors;  // by square metre
+    outdoors.reserve(residents.size());
+    std::unordered_map<const House*, int> indoors;
+    std::size_t all_outdoors = 0;
+    for (const Resident& one : residents) {
         const House* const house = houses.at({one.x, one.z});
-        const auto square = [](double v) { return static_cast<std::int64_t>(std::floor(std::clamp(v, -1e9, 1e9))); };
-        const int count = house ? ++indoors[house] : ++outdoors[{square(one.x), square(one.z)}];
+        const auto square = [](double v) {
+            return static_cast<std::uint32_t>(static_cast<std::int32_t>(std::floor(std::clamp(v, -1e9, 1e9))));
+        };
+        const int count = house ? ++indoors[house] : ++outdoors[std::uint64_t{square(one.x)} << 32 | square(one.z)];
+        if (!house) ++all_outdoors;
         if (count <= (house ? most_indoors : most_outdoors)) continue;
         refuse(source, "/place/residents_csv",
                "line " + std::to_string(one.line) + ": " + std::to_string(count) + " people stand " +
@@ -321,6 +329,13 @@ void check_crowding(const Scene& scene, const HouseFinder& houses, const std::st
                           : "on one square metre outdoors, at " + at_words(one.x, one.z)) +
                    "; allowed: " + std::to_string(house ? most_indoors : most_outdoors) + ".");
     }
+    const double radius = scene.crowd->body_radius, length = scene.world->length + 2 * radius,
+                 width = scene.world->width + 2 * radius;
+    const double most = length * width / (2 * std::sqrt(3.0) * radius * radius);  // the densest packing of discs
+    if (scene.crowd->bodies == BodyRule::none || static_cast<double>(all_outdoors) <= most) return;
+    refuse(source, "/place/residents_csv",
+           std::to_string(all_outdoors) + " people are outdoors; allowed: <= " + std::to_string(std::llround(most)) +
+               ", as bodies of radius " + short_number(radius) + " m (/crowd/body_radius_m) fill the world.");
 }
 
 // The first agent of each group that starts in a wall or where there is no ground.

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <sstream>
+#include <vector>
 
 #include "configs/errors/exit_code.hpp"
 #include "crowd_client/bodies/bodies.hpp"
@@ -11,58 +14,102 @@
 namespace wade::crowd {
 namespace {
 
-// What moves one body out of the others and out of obstacles; counts those it is too close to.
+// Returns what moves body k out of the others and out of obstacles; calls meet(j) for each body that it is too close to and
+// counts such obstacles.
+template <typename Meet>
 Vector2d push_of(const BodyCells& cells, const Walls& walls, const std::vector<Vector2d>& places, std::size_t k,
-                 double radius, std::size_t& too_close) {
+                 double radius, std::size_t& walls_met, const Meet& meet) {
     const double apart = 2 * radius + 2 * body_slack;
     Vector2d push = Vector2d::Zero();
     cells.visit_near(places[k], apart, [&](std::uint32_t j, double dx, double dz) {
         const double square = dx * dx + dz * dz;
         if (j == k || square >= apart * apart) return;
-        ++too_close;
+        meet(j);
         const double d = std::sqrt(square);
         // Who stands in one place is parted along x, by number.
         const Vector2d n = d > 1e-9 ? Vector2d(dx / d, dz / d) : Vector2d(k < j ? 1 : -1, 0);
         push -= (0.5 * (apart - d) + body_slack) * n;
     });
     for_each_within(walls, places[k], radius + 2 * body_slack, [&](const Vector2d& way, double d) {
-        ++too_close;
+        ++walls_met;
         push -= (radius + 3 * body_slack - d) * (way / d);
     });
     return push;
 }
 
+Vector2d put_in_world(Vector2d p, const World& world) {
+    p.y() = std::clamp(p.y(), 0.0, world.width);
+    if (const double period = world.period(); period > 0) {
+        p.x() -= period * std::floor(p.x() / period);
+        if (p.x() >= period) p.x() = 0;
+    } else {
+        p.x() = std::clamp(p.x(), 0.0, world.length);
+    }
+    return p;
+}
+
+// Bodies that may be too close to others: all at first, then those that were in the turn before, and those that they come to.
+class Crowded {
+ public:
+    explicit Crowded(std::size_t count) : listed_(count, true), list_(count) {
+        std::iota(list_.begin(), list_.end(), 0U);
+    }
+
+    // The list grows by add() while it is worked through.
+    [[nodiscard]] const std::vector<std::uint32_t>& list() const { return list_; }
+    void add(std::uint32_t k) {
+        if (listed_[k]) return;
+        listed_[k] = true;
+        list_.push_back(k);
+    }
+    void keep(const std::vector<std::uint32_t>& only) {
+        for (const std::uint32_t k : list_) listed_[k] = false;
+        for (const std::uint32_t k : only) listed_[k] = true;
+        list_ = only;
+    }
+
+ private:
+    std::vector<bool> listed_;
+    std::vector<std::uint32_t> list_;
+};
+
 }  // namespace
 
 void make_room_for_bodies(Agents& agents, const Walls& walls, double radius) {
     constexpr int most_turns = 5000;
+    // Of bodies looked at, and a tenth of those sorted [A]: about 4 s. All turns of 3,600 people who find no room.
+    constexpr std::size_t most_work = 20'000'000;
+    const std::size_t count = agents.size();
     BodyCells cells;
-    std::vector<Vector2d> places = agents.position, pushes(places.size());
-    std::size_t too_close = 1, worst = 0;
-    for (int turn = 0; turn < most_turns && too_close > 0; ++turn) {
+    Crowded crowded(count);
+    std::vector<Vector2d> places = agents.position, pushes(count, Vector2d::Zero());
+    std::vector<std::uint32_t> close;
+    std::size_t work = 0;
+    for (int turn = 0; turn == 0 || (!close.empty() && turn < most_turns && work < most_work); ++turn) {
         sort_people(cells, walls.world, places, 2 * radius + 1e-2);
-        too_close = 0;
-        for (std::size_t k = 0; k < places.size(); ++k) {
-            const std::size_t before = too_close;
-            pushes[k] = push_of(cells, walls, places, k, radius, too_close);
-            if (too_close > before) worst = k;
+        close.clear();
+        for (std::size_t n = 0; n < crowded.list().size(); ++n) {
+            const std::uint32_t k = crowded.list()[n];
+            std::size_t met = 0;
+            pushes[k] = push_of(cells, walls, places, k, radius, met, [&](std::uint32_t j) {
+                ++met;
+                crowded.add(j);
+            });
+            if (met > 0) close.push_back(k);
         }
-        for (std::size_t k = 0; k < places.size(); ++k) {
-            Vector2d& p = places[k];
-            p += pushes[k];
-            p.y() = std::clamp(p.y(), 0.0, walls.world.width);
-            if (const double period = walls.world.period(); period > 0) {
-                p.x() -= period * std::floor(p.x() / period);
-                if (p.x() >= period) p.x() = 0;
-            } else {
-                p.x() = std::clamp(p.x(), 0.0, walls.world.length);
-            }
+        work += crowded.list().size() + count / 10;
+        if (turn == 0) {
+            for (std::size_t k = 0; k < count; ++k) places[k] = put_in_world(places[k] + pushes[k], walls.world);
+        } else {
+            for (const std::uint32_t k : close) places[k] = put_in_world(places[k] + pushes[k], walls.world);
         }
+        crowded.keep(close);
     }
-    if (too_close == 0) {
+    if (close.empty()) {
         agents.position = places;
         return;
     }
+    const std::size_t worst = *std::ranges::max_element(close);
     std::ostringstream message;
     message << "/crowd/groups/" << agents.group[worst] << "/start: bodies of radius " << radius
             << " m (/crowd/body_radius_m) find no room near (" << agents.position[worst].x() << ", "

@@ -276,3 +276,28 @@ TEST_CASE("people of a table at one position are refused") {
     const std::string house = keys + R"(, "houses": [{"polygon": [[2, 2], [6, 2], [6, 6], [2, 6]]}])";
     CHECK_THAT(refusal_of_site(house, "r.csv", rows), !Contains("square metre"));
 }
+
+// 20 m x 10 m hold at most 994 bodies of radius 0.25 m, those at the edge half outside (densest packing).
+TEST_CASE("more people outdoors than bodies find room in the world are refused before a crowd is made") {
+    const auto refused = [](int count, const std::string& bodies) {
+        const wade::test::TemporaryFolder folder;
+        std::string rows = "x,y\n";
+        for (int k = 0; k < count; ++k) {
+            rows +=
+                std::to_string(500100.2 + k % 50 * 0.4) + "," + std::to_string(6000200.2 + k / 50 % 25 * 0.4) + "\n";
+        }
+        folder.write("r.csv", rows);
+        const auto scene =
+            folder.write("scene.json", R"({"world": {"length_m": 20, "width_m": 10}, "place": {"epsg": 32756,
+            "origin_easting_m": 500100, "origin_northing_m": 6000200, "ground": {"level_m": 10}, "residents_csv": "r.csv",
+            "shelters": [{"polygon": [[2, 2], [6, 2], [6, 6]]}]}, "crowd": {"bodies": ")" +
+                                           bodies + R"(",
+            "groups": [{"name": "r", "start": {"from": "houses"}, "goal": {"to": "shelters"}}]}})");
+        return refusal_by([&] { return wade::load_scene(scene); });
+    };
+    CHECK_THAT(refused(1000, "human"),
+               Contains("/place/residents_csv: 1000 people are outdoors; allowed: <= 994, as bodies "
+                        "of radius 0.25 m (/crowd/body_radius_m) fill the world"));
+    CHECK(refused(990, "human").empty());
+    CHECK(refused(1000, "none").empty());
+}
