@@ -191,6 +191,29 @@ class Folders(ViewTest):
         head, paths = client.get(get="paths", t=0)
         self.assertEqual(len(set(paths[0])), 6)
 
+    def test_states_that_are_not_in_the_list_are_unknown(self):
+        run = self.kept_run()
+        head, *rows = run.bytes_of("poses.csv").decode().splitlines()
+        place = head.split(",").index("state")
+        of_all = [row.split(",") for row in rows]
+        times = sorted({float(cells[1]) for cells in of_all})
+        for cells in of_all:  # person 0 from the start, person 1 from the middle on
+            if cells[2] == "0" or cells[2] == "1" and float(cells[1]) >= times[len(times) // 2]:
+                cells[place] = "moonwalking" if cells[2] == "0" else ""
+        (run.folder / "poses.csv").write_text("\n".join([head, *map(",".join, of_all)]) + "\n")
+        program = self.view("--run", run.folder)
+        fields = json.loads(self.fetch(program, "/run.json"))["fields"]
+        client = self.connect(program)
+        client.status(lambda s: s["people"]["frames"] == len(times))
+        for frame, unknown in ((1, {0}), (len(times) * 2 // 3, {0, 1})):
+            _, arrays = client.get(get="people", after=frame)
+            states = dict(zip(arrays[fields.index("id")], arrays[fields.index("state")]))
+            self.assertEqual({int(i) for i, state in states.items() if state == -2}, unknown & {int(i) for i in states})
+            self.assertIn(0, states)
+        changes = client.get(get="changes", after=0)["changes"]
+        self.assertIn([times[len(times) // 2], 1, "unknown"], changes)
+        self.assertFalse([change for change in changes if change[1] == 0])
+
     def test_terms_are_those_of_the_equations(self):
         run = self.kept_run()
         rows = list(csv.DictReader(io.StringIO(run.bytes_of("terms.csv").decode())))

@@ -210,6 +210,15 @@ try {
   });
   assert.ok(apart.every((d) => d < 0.01), `hands that hold are ${apart} m apart`);
 
+  // States: of the list, not told by the files, and not in the list. The legend names the last.
+  const words = await page.evaluate(() => {
+    const arrays = Array.from({ length: 16 }, (_, f) => [0, 1, 2, 3].map((k) => (f === 0 ? k : f === 3 ? [0, -1, -2, 99][k] : 0)));
+    wade.show.people.update({ count: 4, arrays, time: 3 }, null, 0, { states: ['standing'], postures: ['upright'], poses: true }, -1, 0);
+    return wade.show.people.shown.map((p) => p.state);
+  });
+  assert.deepEqual(words, ['standing', 'active', 'unknown', 'unknown']);
+  assert.match(await page.textContent('#symbols'), /state unknown/);
+
   if (folder) { // A hundred thousand particles and five thousand figures: what goes to the graphics card a picture.
     const cost = await page.evaluate(() => {
       const n = 100000, m = 5000, { show } = wade, fill = (count, of) => Float32Array.from({ length: count }, (_, k) => of((k * 0.618034) % 1, k));

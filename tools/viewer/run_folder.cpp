@@ -37,10 +37,11 @@ Number number_of(std::string_view text, Number otherwise) {
     return value;
 }
 
+// Returns the index of a word; `other` of a word that is not in the list.
 template <std::size_t n>
-std::uint32_t place_in(const std::string_view (&words)[n], std::string_view word) {
+int index_in(const std::string_view (&words)[n], std::string_view word, int other) {
     const auto found = std::find(std::begin(words), std::end(words), word);
-    return found == std::end(words) ? 0 : static_cast<std::uint32_t>(found - std::begin(words));
+    return found == std::end(words) ? other : static_cast<int>(found - std::begin(words));
 }
 
 // A database that is only read, open as long as a question takes: a run that ends meanwhile folds its file.
@@ -153,7 +154,7 @@ void FrameTable::take_row(std::string_view row, std::uint64_t at) {
     const auto id = number_of(next_field(row), std::uint32_t{0});
     next_field(row);
     next_field(row);
-    const std::uint32_t state = place_in(state_words, next_field(row));
+    const int state = index_in(state_words, next_field(row), unknown_state);
     const auto [before, is_new] = states_.try_emplace(id, state);
     if (!is_new && before->second != state) changes_.push_back({time, id, state});
     before->second = state;
@@ -268,8 +269,8 @@ Message RunFolder::people(std::size_t frame) const {
             auto& values = rows.emplace_back();
             for (std::size_t k = 0; k < fields; ++k) {
                 const std::string_view field = next_field(row);
-                values[k] = k == 3   ? static_cast<float>(place_in(state_words, field))
-                            : k == 4 ? static_cast<float>(place_in(posture_words, field))
+                values[k] = k == 3   ? static_cast<float>(index_in(state_words, field, unknown_state))
+                            : k == 4 ? static_cast<float>(index_in(posture_words, field, 0))
                                      : number_of(field, k + 1 == fields ? -1.0F : 0.0F);
             }
         }
@@ -289,7 +290,7 @@ Message RunFolder::people(std::size_t frame) const {
                     values[5] = std::atan2(column(row, 4), column(row, 3));
                     values[6] = static_cast<float>(paths_per_s_) *
                                 std::hypot(column(row, 5) - values[1], column(row, 6) - values[2]);
-                    values[3] = -1;  // paths hold no states
+                    values[3] = untold_state;  // paths hold none
                     values[fields - 1] = -1;
                 });
     }

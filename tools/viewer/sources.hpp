@@ -96,18 +96,20 @@ inline constexpr std::string_view state_ends[] = {
 };
 inline constexpr std::string_view posture_words[] = {"upright", "falling",  "lying",     "floating", "swimming",
                                                      "sitting", "kneeling", "squatting", "rising"};
+// States beside those of state_words: files without states, and a word that is not in the list.
+inline constexpr int untold_state = -1, unknown_state = -2;
+inline constexpr std::string_view unknown_word = "unknown";
 // The arrays of a message of people, in their order; `holds` is the first id that is held, -1: none.
-// A state of -1 is unknown.
 inline constexpr std::string_view people_fields[] = {
     "id",           "x_m",          "z_m",           "state",        "posture",    "heading_rad",
     "speed_m_s",    "gait_phase",   "step_length_m", "hip_height_m", "lean_x_rad", "lean_z_rad",
     "rate_x_rad_s", "rate_y_rad_s", "rate_z_rad_s",  "holds"};
 
-// Somebody's state from a time on.
+// State of a person from a time on.
 struct StateChange {
     double time = 0;
     std::uint32_t id = 0;
-    std::uint32_t state = 0;  // in state_words
+    int state = 0;  // in state_words, or unknown_state
 };
 
 // A table that grows, rows of `frame,time_s,id,...`, frame by frame: where each frame lies. It is not held in memory.
@@ -142,7 +144,7 @@ class FrameTable {
     std::vector<double> times_;
     std::vector<std::size_t> numbers_;
     long long last_frame_ = -1;
-    std::unordered_map<std::uint32_t, std::uint32_t> states_;
+    std::unordered_map<std::uint32_t, int> states_;
     std::vector<StateChange> changes_;
 };
 

@@ -227,8 +227,10 @@ class Show {
         constexpr std::size_t most = 20000;
         Json list = Json::array();
         const auto& all = folder_->changes();
-        for (std::size_t k = from; k < all.size() && k < from + most; ++k)
-            list.push_back({all[k].time, all[k].id, state_words[all[k].state]});
+        for (std::size_t k = from; k < all.size() && k < from + most; ++k) {
+            const int state = all[k].state;
+            list.push_back({all[k].time, all[k].id, state < 0 ? unknown_word : state_words[state]});
+        }
         return list;
     }
 

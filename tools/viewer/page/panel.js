@@ -2,7 +2,7 @@
 // counts and state of the run, legend, time line, the numbers of a person and their course.
 
 import * as THREE from 'three';
-import { UNKNOWN } from './people.js';
+import { UNKNOWN, UNTOLD } from './people.js';
 import { scaleColours } from './water.js';
 
 // Shape and colour of each state, so that neither is needed alone.
@@ -11,6 +11,7 @@ export const SYMBOLS = {
   afloat: ['drop', '#56b4e9'], carried: ['waves', '#0072b2'], recovering: ['plus', '#ffffff'], holding: ['ring', '#cc79a7'], pinned: ['wall', '#e69f00'],
   drowned: ['cross', '#16161a'], dead: ['cross', '#16161a'], arrived: ['tick', '#009e73'], sheltered: ['house', '#009e73'],
   indoors: ['house', '#bbbbbb'], upper_floor: ['house', '#56b4e9'],
+  [UNKNOWN]: ['question', '#ffffff'],
 };
 export const LYING = ['waves', '#0072b2']; // of who walks by his state and lies by his posture: tumbled by the water
 const CELL = 64, ATLAS = 5; // pixels of a symbol, symbols of a row of the texture
@@ -45,6 +46,7 @@ export function drawSymbol(c, shape, colour, size) {
   if (shape === 'dot') c.arc(0, 0, 20, 0, 2 * Math.PI), c.fill();
   if (shape === 'cross') line([-13, -13], [13, 13]), line([-13, 13], [13, -13]);
   if (shape === 'house') line([-15, 15], [-15, -2], [0, -16], [15, -2], [15, 15], [-15, 15]), c.fill();
+  if (shape === 'question') c.arc(0, -7, 9, -Math.PI, 0.45 * Math.PI), c.lineTo(1, 7), c.moveTo(1, 17), c.lineTo(1, 17.5);
   if (shape === 'tick') line([-15, 1], [-4, 13], [15, -12]);
   c.stroke();
   c.restore();
@@ -132,7 +134,7 @@ export class Symbols {
     texture.colorSpace = THREE.SRGBColorSpace;
     texture.flipY = false;
     this.walking = this.cells.get('walking');
-    this.cells.set(UNKNOWN, this.walking);
+    this.cells.set(UNTOLD, this.walking);
     this.uniforms = { map: { value: texture }, size: { value: 15 }, high: { value: 700 }, walking: { value: this.walking } };
     this.points = new THREE.Points(new THREE.BufferGeometry(), new THREE.ShaderMaterial({
       uniforms: this.uniforms, transparent: true, depthTest: false, depthWrite: false,
@@ -157,7 +159,7 @@ export class Symbols {
   /** list: x, y, z and state; ratio: pixels of the picture per pixel of the window. From above the symbols of many people are
    * smaller, at least 6 pixels of the window. */
   show(list, isAbove, ratio) {
-    const rank = (p) => (p.state === 'walking' || p.state === UNKNOWN ? 0 : HARMLESS.includes(p.state) ? 1 : 2), known = list.filter((p) => this.cells.has(p.state)).sort((a, b) => rank(a) - rank(b));
+    const rank = (p) => (p.state === 'walking' || p.state === UNTOLD ? 0 : HARMLESS.includes(p.state) ? 1 : 2), known = list.filter((p) => this.cells.has(p.state)).sort((a, b) => rank(a) - rank(b));
     this.uniforms.size.value = ratio * (!isAbove ? 15 : list.length > 300 ? 8 : list.length > 100 ? 10 : 13);
     this.uniforms.high.value = innerHeight;
     const g = this.points.geometry;
@@ -392,7 +394,7 @@ export function fillHelp() {
     const term = document.createElement('dt'), text = document.createElement('dd'), canvas = symbolCanvas(state);
     canvas.style.cssText = 'width:18px;height:18px';
     term.append(canvas);
-    text.textContent = { dead: 'dead, drowned', tumbled: 'tumbled by the water (poses.csv)', upper_floor: 'on an upper floor' }[state] ?? state;
+    text.textContent = { dead: 'dead, drowned', tumbled: 'tumbled by the water (poses.csv)', upper_floor: 'on an upper floor', [UNKNOWN]: 'state unknown: not in the list of states' }[state] ?? state;
     list.append(term, text);
   }
 }

@@ -136,8 +136,8 @@ function bendable(material) {
   return material;
 }
 
-/** Shown as the state of people before their end where the files hold no states. */
-export const UNKNOWN = 'active';
+/** State of people before their end where the files hold no states (-1), and of a state that is not in the list. */
+export const UNTOLD = 'active', UNKNOWN = 'unknown';
 
 // Joint angles, rad: legs (thigh L R, knee L R), arms (swing L R, elbow L R), spread L R, trunk, neck; last: feet hang.
 const POSES = {
@@ -227,7 +227,7 @@ export class People {
         const b = a + share * (after.arrays[f][other] - a - (f === 1 ? seam : 0));
         return f === 1 && seam ? b - this.period * Math.floor(b / this.period) : b;
       };
-      this.one(k, id, value, words.states[before.arrays[3][k]] ?? UNKNOWN, words.postures[before.arrays[4][k]], {
+      this.one(k, id, value, before.arrays[3][k] === -1 ? UNTOLD : words.states[before.arrays[3][k]] ?? UNKNOWN, words.postures[before.arrays[4][k]], {
         phase: this.phase(before, after, k, other, share), keep, step: jumps ? 0 : step, clock, poses: words.poses,
       });
     }

@@ -3,6 +3,7 @@
 
 import { Buffer } from './buffer.js';
 import { $, rowOf, showEvents, showPerson, showState } from './panel.js';
+import { UNKNOWN, UNTOLD } from './people.js';
 
 export const wanted = new URLSearchParams(location.hash.slice(1));
 
@@ -20,7 +21,10 @@ export function rowsOf(table) {
   return lines.map((line) => rowOf(`${head}\n${line}`)).filter(Boolean);
 }
 
-export const readAgents = (table) => rowsOf(table).forEach((agent) => show.agents.set(agent.id, agent));
+export const readAgents = (table) => rowsOf(table).forEach((agent) => {
+  if (agent.outcome !== UNTOLD && !show.run?.states.includes(agent.outcome)) agent.outcome = UNKNOWN;
+  show.agents.set(agent.id, agent);
+});
 
 export const faster = (way) => {
   const s = $('speed');
