@@ -49,7 +49,7 @@ bool has_people_by_body(const Scene& scene) {
                                [](const AgentGroup& group) { return group.count > 0 && !group.tau; });
 }
 
-// Depth of the water in which people stand, m; 0 without water. Deeper water of a site carries them, whatever its particles.
+// Returns the water depth at the agents, m; 0 without water. On a site it is 1 m: deeper water sweeps agents away at any spacing.
 double depth_at_people(const Scene& scene) {
     constexpr double of_site = 1;
     if (scene.place) return of_site;
@@ -113,10 +113,10 @@ std::string warning_of_time_step(const Scene& scene, ModelChoice choice) {
            (choice == ModelChoice::of_server ? other_model : "/fluid/cfl " + in_digits(largest_courant, 2)) + ".";
 }
 
-// Particles of kinematic water lie anywhere within `width` cells of a lattice. N of them lie in the cylinder of radius R and
-// depth H in which people sample; each moves the sum of weights, N / 3 in the mean, by 1/R times its deviation:
+// Kinematic particles lie anywhere within `width` cells of a lattice. The sampling cylinder of an agent, of radius R and depth H,
+// holds N particles. Each moves the sum of weights, N / 3 in the mean, by 1/R times its deviation:
 //   N = pi R^2 H / d^3,   standard deviation of the depth / H = (3 / N) sqrt(N / 12) width d / R
-// which is 0.85 to 1.35 times the one of 600 trials with 0.5 to 30 layers. Of 150 people in a river of 1 m at 0.75 m/s (river/s05,
+// This is 0.85 to 1.35 times the value of 600 trials with 0.5 to 30 layers. Of 150 people in a river of 1 m at 0.75 m/s (river/s05,
 // 15 Hz, 150 s) all arrive with 0 and 1.5 %, 147 with 3 %, 129 with 4.5 % and 124 with 6 %; with shallow water all.
 struct Scatter {
     double count, of_depth;
@@ -138,9 +138,10 @@ std::string warning_of_arrangement(const Scene& scene, ModelChoice choice) {
     if (is_random && scatter_of(scene, stream.jitter).of_depth > largest) remedy += ", /fluid/kinematic/jitter 0";
     if (choice == ModelChoice::of_server) remedy = other_model;
     return "/fluid/particle_spacing_m: " + in_digits(std::round(scatter.count), 6) +
-           " particles, scattered in their cells, are in the " + in_digits(make_feeling(scene).spread, 2) +
-           " m within which people sample the water: its depth fluctuates by " + in_digits(100 * scatter.of_depth, 2) +
-           " %, and the people lost depend on the spacing. Remedy: " + remedy + ".";
+           " particles, scattered in their cells, lie within the sampling radius of " +
+           in_digits(make_feeling(scene).spread, 2) + " m: the sampled depth fluctuates by " +
+           in_digits(100 * scatter.of_depth, 2) + " %, and the people lost depend on the spacing. Remedy: " + remedy +
+           ".";
 }
 
 // The shorter side of the rectangle with the area and the perimeter of a ground plan, m.

@@ -1,7 +1,7 @@
-// The page of the viewer in Debian's chromium, drawn by software: a run that has ended, one that goes on, and a recording.
-// node view_page.mjs MODULES PICTURES; with PICTURES, a folder or -, also what takes long. JSON on stdin: the addresses of the
-// pages (ended, recorded, site, snapshots), what outcome.json says and its folder (wanted), and of two runs whose crowds wait the
-// page, its server's process, the folder and the command of their water (running).
+// Tests the viewer's page in Debian's chromium with software rendering: an ended run, a live run and a recording.
+// node view_page.mjs MODULES PICTURES; PICTURES, a folder or -, adds the long tests. JSON on stdin: addresses of pages (ended,
+// recorded, site, snapshots), contents of outcome.json with its folder (wanted), and two runs with waiting crowds (running): page,
+// process of the server, folder, and command of the water.
 
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
@@ -15,10 +15,10 @@ const { browser, open, patient, problems } = await opened(modules), waters = [];
 
 const picture = (page, name) => page.screenshot({ path: path.join(pictures, `${name}.png`) });
 const wantedPicture = async (page, name) => pictures && picture(page, name); // each waits for some frames
-// A click on a part of the page, without waiting for frames that show that it stands still.
+// Clicks on an element at once; the click of playwright waits until the element has stopped moving.
 const click = (page, id) => page.evaluate((what) => document.querySelector(what).click(), id);
 
-// Root mean square of the second differences of the surface along both axes, m, as its vertices lie in the graphics card.
+// Returns the root mean square of the second differences of the drawn surface along both axes, m.
 const roughness = (page) => page.evaluate(() => {
   const { grid, rowLength, surface } = wade.show.water, { nx, nz } = grid, y = surface.geometry.attributes.position.array;
   const height = (i, j) => y[3 * (j * rowLength + rowLength - nx + i) + 1];
@@ -28,12 +28,11 @@ const roughness = (page) => page.evaluate(() => {
       sum += (height(i - 1, j) - 2 * height(i, j) + height(i + 1, j)) ** 2 + (height(i, j - 1) - 2 * height(i, j) + height(i, j + 1)) ** 2;
   return Math.sqrt(sum / count);
 });
-// Water of particles is as smooth as its depths in cells, which the snapshots of the same moment give. The particles of a flat
-// river differ in height by a few hundredths of their spacing of 0.5 m; a tenth of it is a spike.
+// Largest roughness of a surface of particles, m: a tenth of their spacing of 0.5 m. Heights of particles in a flat river differ by a
+// few hundredths of the spacing.
 const smooth = 0.05;
 
-// The times of people, water and clock of each picture, and where the people are, while the page plays to the end, or of so many
-// pictures.
+// Records the times of people, water and clock and the positions of people of each picture, up to the end or for `many` pictures.
 const watch = async ({ speed, from, end, many = Infinity }) => {
   const seen = [];
   if (speed) {
@@ -56,8 +55,8 @@ const watch = async ({ speed, from, end, many = Infinity }) => {
 };
 const furthest = (seen, of) => seen.reduce((most, at) => Math.max(most, Math.abs(of(at))), 0);
 const told = (seen) => `${seen.length} pictures, people ${furthest(seen, (at) => at.time - at.peopleTime).toFixed(3)} s, water ${furthest(seen, (at) => at.time - at.water).toFixed(3)} s from the clock`;
-// Poses come each 0.1 s. Three pictures show that something moves: a step is a quarter of a second of wall time at most, so that even
-// at 16 x there is one between the ends of 8 s.
+// Checks that people, water and clock of all pictures are of one time. Poses come each 0.1 s. Motion needs three pictures: a step takes
+// at most 0.25 s of wall time, so that 8 s at 16 x have one between their ends.
 function together(seen, what) {
   assert.ok(seen.length >= 3, `${what}: ${seen.length} pictures`);
   for (const at of seen) {
@@ -65,13 +64,13 @@ function together(seen, what) {
     assert.ok(Math.abs(at.water - at.time) < 0.1 + 1e-6, `${what}: water of ${at.water} s at ${at.time} s`);
   }
 }
-// The row of a person at frame k, or its last one before. Why a picture may show a person without a row at its time is not known.
+// Returns the row of a person at frame k, else the last one before. Open question: some pictures show people without a row at k.
 const last_row = (frames, k, who) => {
   while (k > 0 && !frames.get(k)?.has(who)) --k;
   return frames.get(k)?.get(who);
 };
-// The people of each picture stand where poses.csv has them at the time of the clock, on a straight line between two rows, and walk.
-// The file has millimetres and the page floats; `period`: after which the world repeats, m.
+// Checks that positions of people equal poses.csv at the time of the clock, interpolated between two rows, and that people move. Rows
+// are rounded to millimetres, positions of the page to floats. period: length of a periodic world, m.
 function walking(seen, file, period, what) {
   const [head, ...lines] = fs.readFileSync(file, 'utf8').trim().split('\n').map((line) => line.split(',')), frames = new Map();
   const [t, id, x, z] = ['time_s', 'id', 'x_m', 'z_m'].map((name) => head.indexOf(name));
@@ -91,7 +90,7 @@ function walking(seen, file, period, what) {
   console.log(`${what}: people at most ${(1000 * most).toFixed(1)} mm from their file, moved by up to ${moved.toFixed(1)} m`);
   assert.ok(most < 0.003 && moved > 0.1, `${what}: people ${most} m from poses.csv, moved by ${moved} m`);
 }
-// The places of the first view that something else than the scene covers: people, goals, corners of shelters.
+// Returns the people, goals and corners of shelters of the first view that a panel covers.
 const covered = (page, goals) => page.evaluate((goals) => {
   const { show } = wade, canvas = document.querySelector('#view canvas'), height = (x, z) => show.ground?.at(x, z) ?? 0;
   const places = [...goals, ...(show.run.place?.shelters ?? []).flatMap((s) => s.rings.flat()), ...show.people.shown.map((p) => [p.x, p.z])];
@@ -99,7 +98,7 @@ const covered = (page, goals) => page.evaluate((goals) => {
 }, goals);
 
 try {
-  // A run that has ended: its end has the counts of outcome.json.
+  // Ended run: the last picture has the counts of outcome.json.
   let page = await open(ended, 'play=0&t=2&dark=0&quality=low', { width: 560, height: 360 });
   assert.equal(await page.textContent('#state'), 'ended');
   const first = await page.screenshot();
@@ -109,7 +108,7 @@ try {
   const last = await page.screenshot();
   assert.notDeepEqual(first, last, 'the picture changes with the time');
 
-  // axe-core finds nothing, with and without the list of keys and the numbers of a person; live regions are calm.
+  // axe-core finds no violation, with and without the help and the panel of a person; live regions change rarely.
   const axe = fs.readFileSync(path.join(modules, 'node_modules', 'axe-core', 'axe.min.js'), 'utf8');
   const audit = async (what) => {
     await page.evaluate((code) => window.axe ?? (0, eval)(code), axe);
@@ -123,7 +122,7 @@ try {
   await audit('help and a person');
   await page.keyboard.press('Escape');
   await page.keyboard.press('Escape');
-  // The table of people has all of them as outcome.json counts them; keys alone pick the first.
+  // The table of people has the counts of outcome.json; the keyboard selects the first person.
   await page.keyboard.press('i');
   const states = await page.evaluate(() => [...document.querySelectorAll('#rows tr')].map((row) => row.cells[2].textContent));
   assert.equal(states.length, 6);
@@ -147,7 +146,7 @@ try {
   }, wanted.end);
   assert.ok(live_changes <= 1, `live regions change ${live_changes} times in 5 s`);
 
-  // Keys move the camera, and 0 brings the first view back, which holds all people and goals at three sizes.
+  // Keys move the camera; 0 restores the first view, which contains all people and goals at three sizes.
   const eye = () => page.evaluate(() => wade.eye().map((v) => +v.toFixed(6)));
   for (const [width, height] of [[1280, 720], [800, 600], [400, 800]]) {
     await page.setViewportSize({ width, height });
@@ -165,7 +164,7 @@ try {
   assert.deepEqual(await eye(), begun);
   await page.setViewportSize({ width: 560, height: 360 });
 
-  // Scrub by hand; then a click on a person shows its terms.
+  // Time slider by mouse; a click on a person shows the terms of its equations.
   await page.fill('#time', '3');
   await page.waitForFunction(() => Math.abs(wade.at().time - 3) < 0.02 && Math.abs(wade.at().water - 3) <= 0.5, null, patient);
   await page.waitForFunction(() => wade.at().people === 6, null, patient);
@@ -176,7 +175,7 @@ try {
   assert.match(await page.textContent('#who'), /tau .*0\.20/);
   await page.waitForFunction(() => /tau to 0.2 ,.*m\/s from/.test(document.querySelector('#who .course')?.ariaLabel), null, patient);
 
-  // Keys: one frame on, points and back, help, dark, from above.
+  // Keys: next frame, water as points and as a surface, help, dark colours, view from above.
   const time = await page.evaluate(() => wade.at().time);
   await page.locator('#view canvas').press('.');
   await page.waitForFunction((t) => wade.at().time > t + 0.05, time, patient);
@@ -195,7 +194,7 @@ try {
   assert.ok(wide <= 400, `the page is ${wide} wide at 400`);
   await wantedPicture(page, 'narrow');
 
-  // Three hand in hand: palms of neighbours meet, of each as tall as it is.
+  // Three linked people of different heights: palms of neighbours meet.
   const apart = await page.evaluate(() => {
     const { show } = wade, heading = 0.7, c = Math.cos(heading), s = Math.sin(heading), heights = [0, 1, 2].map((id) => show.people.heights(id));
     const arrays = Array.from({ length: 16 }, (_, f) => [0, 1, 2].map((k) => [k, 5 + 0.6 * k * s, 5 - 0.6 * k * c, 0, 0, heading][f] ?? (f === 9 ? 0.9 : f === 15 ? [1, 2, -1][k] : 0)));
@@ -231,16 +230,16 @@ try {
       return { ...wade.cost(), figures: show.people.count, ms: performance.now() - began };
     });
     console.log(`100,000 particles, ${cost.figures} figures: ${cost.calls} draw calls, ${cost.triangles} triangles, ${cost.bytes} bytes`);
-    // 30 pictures a second: at 1 GB/s to the card and 10 us a call these are 2 ms and 0.4 ms of 33.
+    // Limits of bytes and draw calls per picture: 2 ms at 1 GB/s and 0.4 ms at 10 us per call, of 33 ms (30 pictures per second).
     assert.ok(cost.figures === 5000 && cost.calls < 40 && cost.bytes < 2.2e6 && cost.triangles < 4e6, JSON.stringify(cost));
   }
   await page.close();
 
-  // A phone: all people, goals and shelters of a site stand in the first view, beside the panels, which leave most of it free.
+  // Phone: the first view contains all people, goals and shelters of a site; panels cover at most 40 % of it.
   const phone = { isMobile: true, hasTouch: true, deviceScaleFactor: 2, reducedMotion: 'reduce' };
   page = await open(site, 't=20&dark=0&quality=low', { width: 360, height: 740 }, null, phone);
   await page.waitForFunction(() => wade.at().target === null && wade.at().people > 0, null, patient);
-  // Reduced motion: nothing moves that the user has not started.
+  // Reduced motion: the page starts no motion by itself.
   assert.equal(await page.evaluate(() => wade.show.playing), false);
   const drawn = await page.evaluate(async () => {
     const frames = async (n) => { for (; n > 0; --n) await new Promise(requestAnimationFrame); };
@@ -264,7 +263,7 @@ try {
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
     await wantedPicture(page, `phone_${width}`);
   }
-  // From above each person has a mark at least 5 pixels wide, at the scale of any screen.
+  // View from above: the mark of each person is at least 5 pixels wide at any pixel density.
   const marks = await page.evaluate(() => {
     const { show } = wade, n = 500, c = new OffscreenCanvas(1, 1).getContext('2d', { willReadFrequently: true }), canvas = document.querySelector('#view canvas');
     wade.look('top');
@@ -286,13 +285,13 @@ try {
   assert.ok(marks.wide >= 5 || marks.wide > 0.9 * marks.apart, `marks of people from above: ${JSON.stringify(marks)}`);
   await page.close();
 
-  // A recording, drawn as a surface: smooth, and the picture of the snapshot of that moment. 8 levels of 255 on average: the two
-  // differ by ripples, which follow the velocity; foam on spikes is 60 away.
+  // Recording as a surface: smooth, and at most 8 of 255 levels on average from the picture of the snapshot. Ripples, which follow the
+  // velocity, differ between the two; foam on spikes gives 60 levels.
   page = await open(recorded, 'still&play=0&dark=0&quality=low&form=surface', { width: 560, height: 360 });
   const particles = await page.evaluate(() => wade.picture(4));
   assert.equal(await page.evaluate(() => wade.at().particles), 640);
   const rough = await roughness(page);
-  // Colours are those of the legend, within 3 %: 8 bits of a colour resolve about 1 %.
+  // Colours equal the legend within 3 %; 8 bits of a colour resolve about 1 %.
   for (const camera of ['free', 'top']) await legible(page, { modes: ['depth', 'speed'], camera, time: 4 });
   await page.close();
   page = await open(snapshots, 'still&play=0&dark=0&quality=low&form=surface', { width: 560, height: 360 });
@@ -306,14 +305,14 @@ try {
     return one.reduce((sum, v, k) => sum + Math.abs(v - other[k]), 0) / one.length;
   }, particles);
   const reference = await roughness(page);
-  // Without velocities there is no mode for speeds; the page says why.
+  // Without velocities the mode for speeds is off, with its reason.
   assert.equal(await page.evaluate(() => document.querySelector('#mode [value=speed]').disabled), true);
   await page.keyboard.press('c');
   assert.equal(await page.inputValue('#mode'), 'depth');
   await page.keyboard.press('c');
   assert.equal(await page.inputValue('#mode'), 'clear');
   assert.match(await page.textContent('#mode'), /speed: not recorded/);
-  // The water behind a gate ends there until it opens: all triangles lie on its side, and reach the gate.
+  // Water behind a closed gate: all triangles lie on one side of the gate and reach it.
   const behind = await page.evaluate(async () => {
     const { Water } = await import('/water.js'), three = await import('three'), line = [[10.2, -1], [12.7, 13]];
     const scene = { channel: { flow: 'closed', x_min_m: 0, x_max_m: 20, z_min_m: 0, z_max_m: 12 }, fluid: { shallow_water: { cell_size_m: 1 } }, world: {} };
@@ -339,8 +338,7 @@ try {
   assert.ok(apartOf < 8, `the pictures of particles and depths are ${apartOf} levels apart`);
   await page.close();
 
-  // People, water and clock of each picture are of one time, at any speed, from a recording and from snapshots, and with a
-  // server that answers 200 ms late.
+  // People, water and clock of each picture are of one time at any speed: recording, snapshots, and a server with 200 ms of delay.
   for (const [address, kind] of [[recorded, 'a recording'], [snapshots, 'snapshots']]) {
     const late = { ms: 0 };
     page = await open(address, 'play=0&t=0&dark=0&quality=low', { width: 320, height: 240 }, late);
@@ -354,7 +352,7 @@ try {
     await page.close();
   }
 
-  // A server that says no more is told without a touch.
+  // The page reports a silent server by itself.
   let mute = false;
   page = await browser.newPage({ viewport: { width: 320, height: 240 }, bypassCSP: true });
   await page.routeWebSocket(/stream$/, (socket) => socket.connectToServer().onMessage((m) => mute || socket.send(m)));
@@ -366,7 +364,7 @@ try {
   await page.waitForFunction(() => document.querySelector('#state').textContent === 'ended', null, patient);
   await page.close();
 
-  // A run that goes on: particles come, time goes, tau changes, it pauses. First as fast as it can be, then by the wall clock.
+  // Live run, at full speed and in real time: particles arrive, time advances, tau changes, the run pauses.
   for (const clock of ['fast', 'real_time']) {
     const { address, folder, water } = running[clock], late = { ms: 0 };
     waters.push(spawn(water[0], water.slice(1), { stdio: 'ignore' }));
@@ -376,7 +374,7 @@ try {
       const seen = await page.evaluate(watch, { many: 8 }), what = `live, clock ${clock}, ${late.ms} ms late`;
       console.log(`${what}: ${told(seen)}`);
       together(seen, what);
-      // At thousands of times real time some pictures have no people, a known fault of the page.
+      // Known fault of the page: at thousands of times real time some pictures have no people.
       const peopled = seen.filter((at) => at.places.length);
       assert.ok(peopled.length >= (clock === 'fast' ? 0.5 : 1) * seen.length, `${what}: people in ${peopled.length} of ${seen.length} pictures`);
       walking(peopled, path.join(folder, 'poses.csv'), 20, what);
@@ -401,7 +399,7 @@ try {
   await click(page, '#run-pause');
   await page.waitForFunction(() => document.querySelector('#state').textContent === 'running', null, patient);
 
-  // A run whose water is killed, and then a server that is: told without a touch.
+  // The page reports killed water, and then a killed server, by itself.
   waters[0].kill('SIGKILL');
   await page.waitForFunction(() => document.querySelector('#state').textContent === 'killed', null, patient);
   assert.deepEqual(problems, []);

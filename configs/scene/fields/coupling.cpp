@@ -14,7 +14,8 @@ namespace wade {
 
 namespace {
 
-// People whom Eq. 5 to 9 move. Bodies of the response `measured` touch no particles, they sample the water.
+// Returns true if any agent takes momentum by its tau (Eq. 5 to 9). Agents of the response `measured` sample the flow and touch no
+// particles.
 bool has_people_by_tau(const Scene& scene) {
     const std::vector<AgentGroup>& groups = scene.crowd->groups;
     const auto has_tau = [](const AgentGroup& group) { return group.tau || !group.tau_history.empty(); };
