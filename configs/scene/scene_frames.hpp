@@ -29,11 +29,11 @@ namespace wade {
 
 // Frame k of files with so many frames a second, at most, is the state after k times so many steps: the least whole number that
 // keeps to the rate.
-[[nodiscard]] inline std::uint64_t steps_per_frame_at(const Scene& scene, double rate) {
-    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(scene.crowd->step_rate / rate - 1e-9)));
+[[nodiscard]] inline std::uint64_t steps_per_frame_at(double step_rate, double rate) {
+    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(step_rate / rate - 1e-9)));
 }
 [[nodiscard]] inline std::uint64_t steps_per_path_frame(const Scene& scene) {
-    return steps_per_frame_at(scene, scene.crowd->paths.rate);
+    return steps_per_frame_at(scene.crowd->step_rate, scene.crowd->paths.rate);
 }
 
 // The first frame at or after `time`, s; a time that is a frame's up to rounding means this frame.

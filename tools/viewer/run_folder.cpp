@@ -9,6 +9,8 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/plain_file.hpp"
+#include "configs/json/json.hpp"
+#include "configs/scene/scene_frames.hpp"
 #include "tools/viewer/sources.hpp"
 
 namespace wade::view {
@@ -21,6 +23,7 @@ constexpr std::size_t most_cells = 16'000'000;            // of a snapshot of wa
 constexpr std::size_t most_bytes_of_frame = 256U << 20U;  // rows of people
 constexpr int most_steps_of_question = 500'000'000;       // of SQLite's machine
 constexpr std::size_t most_rows_of_course = 200;
+constexpr double max_people_frames = 1e9;  // without rows, by the ticks of a stream
 
 // Cuts the next field off a row of a table.
 std::string_view next_field(std::string_view& row) {
@@ -113,6 +116,16 @@ T value_at(const char* bytes) {
     return value;
 }
 
+// Frames of poses.csv in a second, as the manifest of a run has its scene; 0 if it does not say.
+double pose_rate_of(const std::string& manifest) {
+    const Json scene = Json::try_parse(manifest).value_or(Json())["resolved_scene"];
+    const Json &steps = scene["crowd"]["step_rate_hz"], &rate = scene["crowd"]["poses"]["rate_hz"];
+    if (!steps.is_number() || !rate.is_number()) return 0;
+    const auto is_rate = [](double v) { return v > 1e-6 && v < 1e6; };
+    if (!is_rate(steps.get<double>()) || !is_rate(rate.get<double>())) return 0;
+    return steps.get<double>() / static_cast<double>(steps_per_frame_at(steps.get<double>(), rate.get<double>()));
+}
+
 }  // namespace
 
 void FrameTable::forget() {
@@ -125,7 +138,8 @@ bool FrameTable::read_on() {
     if (!file.is_open()) return false;
     const std::uint64_t bytes = file.bytes();
     if (bytes < read_) forget();  // a run that begins anew in this folder
-    if (bytes == read_) return false;
+    grows_ = bytes > read_;
+    if (!grows_) return false;
     const std::string text = part_of(path_, read_, std::min<std::size_t>(chunk, bytes - read_));
     std::size_t begin = 0;
     for (std::size_t end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
@@ -170,8 +184,18 @@ std::string FrameTable::rows_of(std::size_t frame) const {
     return part_of(path_, starts_[frame], std::min<std::uint64_t>(end - starts_[frame], most_bytes_of_frame));
 }
 
+// The last frame of a run that ends between two frames comes early, so that the one before it counts where there is one.
 double FrameTable::rate_hz() const {
-    return times_.empty() || !(times_.back() > 0) ? 1 : static_cast<double>(numbers_.back()) / times_.back();
+    for (const std::size_t back : {std::size_t{2}, std::size_t{1}}) {
+        if (times_.size() < back || !(times_[times_.size() - back] > 0)) continue;
+        return static_cast<double>(numbers_[times_.size() - back]) / times_[times_.size() - back];
+    }
+    return 1;
+}
+
+double FrameTable::time_of_number(std::size_t number, double rate_hz) const {
+    const double time = static_cast<double>(number) / rate_hz;
+    return !numbers_.empty() && number == numbers_.back() ? std::min(time, times_.back()) : time;
 }
 
 std::string FrameTable::rows_of_number(std::size_t number) const {
@@ -193,8 +217,10 @@ RunFolder::RunFolder(std::filesystem::path folder, bool may_be_empty)
                                  " holds no run: no outcome.json, poses.csv, trajectories.sqlite or water.bin.");
 }
 
-bool RunFolder::read_on() {
+bool RunFolder::read_on(double passed_s) {
     const bool more = poses_.read_on();
+    if (!more) passed_s_ = passed_s;
+    if (!poses_.header().empty() && !(scene_pose_rate_ > 0)) scene_pose_rate_ = pose_rate_of(text_of("manifest.json"));
     const bool more_terms = terms_.read_on();
     look_at_water();
     if (looks_++ % 5 == 0) look_at_paths();
@@ -207,7 +233,7 @@ void RunFolder::look_at_paths() {
     Database database(file);
     database.ask("SELECT value FROM metadata WHERE key = 'fps'", {},
                  [&](sqlite3_stmt* row) { paths_per_s_ = sqlite3_column_double(row, 0); });
-    database.ask("SELECT max(frame) FROM trajectory_data", {}, [&](sqlite3_stmt* row) {
+    database.ask("SELECT max(frame) FROM frame_data", {}, [&](sqlite3_stmt* row) {
         path_frames_ = static_cast<std::size_t>(std::max<sqlite3_int64>(0, sqlite3_column_int64(row, 0)) + 1);
     });
 }
@@ -243,12 +269,23 @@ void RunFolder::look_at_water() {
     }
 }
 
+// The rate of the manifest is exact and there before the first row; the table's own counts where the manifest is another run's.
+double RunFolder::pose_rate() const {
+    const double rows = poses_.frames() > 0 ? poses_.rate_hz() : 0, scene = scene_pose_rate_;
+    const bool is_unknown = poses_.frames() < 2;
+    return scene > 0 && (is_unknown || std::abs(rows - scene) < 0.1 * scene) ? scene : rows;
+}
+
 std::size_t RunFolder::people_frames() const {
-    return has_poses() ? poses_.last_number() + 1 : paths_per_s_ > 0 ? path_frames_ : 0;
+    if (!has_poses()) return paths_per_s_ > 0 ? path_frames_ : 0;
+    const std::size_t whole = poses_.whole_frames(), with_rows = whole > 0 ? poses_.number(whole - 1) + 1 : 0;
+    if (!(passed_s_ > 0)) return with_rows;
+    return std::max(with_rows,
+                    static_cast<std::size_t>(std::min(max_people_frames, passed_s_ * pose_rate() + 1e-6)) + 1);
 }
 
 double RunFolder::people_time(std::size_t frame) const {
-    return static_cast<double>(frame) / (has_poses() ? poses_.rate_hz() : paths_per_s_);
+    return has_poses() ? poses_.time_of_number(frame, pose_rate()) : static_cast<double>(frame) / paths_per_s_;
 }
 
 Message RunFolder::people(std::size_t frame) const {

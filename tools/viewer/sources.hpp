@@ -39,6 +39,9 @@ class LiveStream {
     // see problem()), killed (the producer has died).
     [[nodiscard]] std::string state();
     [[nodiscard]] std::string problem();
+    // Returns the time, s, of a frame that the crowd is done with, so that its files lack nothing up to there. Follows the stream
+    // by one or two calls. Without a crowd in the session: the time of the newest frame.
+    [[nodiscard]] double passed_s();
     [[nodiscard]] const std::string& session() const { return session_; }
 
  private:
@@ -52,6 +55,8 @@ class LiveStream {
     std::atomic<bool> stop_ = false;
     std::atomic<const char*> end_ = nullptr;  // ended or killed; null before
     std::atomic<std::int64_t> wanted_at_ns_ = 0, came_at_ns_ = 0;
+    std::uint64_t next_frame_ = 0;  // that passed_s() waits for, 0: none
+    double next_s_ = 0, passed_s_ = 0;
     std::mutex mutex_;  // of the two below
     Message newest_;
     std::string problem_;
@@ -121,9 +126,14 @@ class FrameTable {
     bool read_on();
 
     [[nodiscard]] std::size_t frames() const { return starts_.size(); }
-    // The number of the last frame, and how many there are a second; numbers without rows are left out in the table.
-    [[nodiscard]] std::size_t last_number() const { return numbers_.empty() ? 0 : numbers_.back(); }
+    // Returns how many frames have all their rows: the last one of a table that grows may lack some.
+    [[nodiscard]] std::size_t whole_frames() const { return starts_.size() - (grows_ && !starts_.empty() ? 1 : 0); }
+    // Returns the number of a frame; numbers without rows are left out in the table.
+    [[nodiscard]] std::size_t number(std::size_t frame) const { return numbers_[frame]; }
+    // Returns the frames in a second by numbers and times of rows, which are rounded to thousandths.
     [[nodiscard]] double rate_hz() const;
+    // Returns the time of a frame by its number: the last one of a run may come early.
+    [[nodiscard]] double time_of_number(std::size_t number, double rate_hz) const;
     // The frame of the table at a time, the last that is not later. There must be one.
     [[nodiscard]] std::size_t at(double time_s) const;
     [[nodiscard]] const std::string& header() const { return header_; }
@@ -140,6 +150,7 @@ class FrameTable {
     std::filesystem::path path_;
     std::string header_;
     std::uint64_t read_ = 0;  // bytes, up to the end of a row
+    bool grows_ = false;      // it has grown since the last look
     std::vector<std::uint64_t> starts_;
     std::vector<double> times_;
     std::vector<std::size_t> numbers_;
@@ -159,11 +170,11 @@ class RunFolder {
     // may_be_empty: the run is about to start. Errors: ConfigurationError if it is no folder of a run.
     explicit RunFolder(std::filesystem::path folder, bool may_be_empty);
 
-    // Takes in what has come; true if there is more to take in at once.
-    bool read_on();
+    // Takes in what has come; true if there is more to take in at once. The run had written all up to `passed_s` before this call.
+    bool read_on(double passed_s);
 
-    // Frames of people: of poses.csv, else of trajectories.sqlite, where everybody is upright.
-    [[nodiscard]] bool has_poses() const { return poses_.frames() > 0; }
+    // Frames of people: of poses.csv, else of trajectories.sqlite, where everybody is upright. Frames without people count, too.
+    [[nodiscard]] bool has_poses() const { return pose_rate() > 0; }
     [[nodiscard]] std::size_t people_frames() const;
     [[nodiscard]] double people_time(std::size_t frame) const;
     [[nodiscard]] Message people(std::size_t frame) const;  // the last one if there are not so many
@@ -187,10 +198,13 @@ class RunFolder {
  private:
     void look_at_paths();
     void look_at_water();
+    [[nodiscard]] double pose_rate() const;
 
     std::filesystem::path folder_;
     FrameTable poses_, terms_;
-    double paths_per_s_ = 0;  // frames of trajectories.sqlite
+    double scene_pose_rate_ = 0;  // of the manifest, 0: unknown
+    double passed_s_ = 0;         // poses.csv lacks nothing up to there
+    double paths_per_s_ = 0;      // frames of trajectories.sqlite
     std::size_t path_frames_ = 0;
     std::uint32_t columns_ = 0, rows_ = 0;  // of water.bin
     double cell_ = 0, x0_ = 0, z0_ = 0;

@@ -203,7 +203,10 @@ class Show {
     }
 
     bool work() {
-        if (folder_ && ++ticks_ % (has_more_ ? 1 : 8) == 0) has_more_ = folder_->read_on();
+        if (folder_ && ++ticks_ % (has_more_ ? 1 : 8) == 0) {
+            const double passed_s = live_ ? live_->passed_s() : 0;  // before the files are read
+            has_more_ = folder_->read_on(passed_s);
+        }
         return received_signal() == 0;
     }
 

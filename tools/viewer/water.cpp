@@ -124,6 +124,26 @@ std::string LiveStream::state() {
     return is_old && came_at_ns_ != 0 ? "stale" : "running";
 }
 
+double LiveStream::passed_s() {
+    const SegmentView view = look_at(shm::segment_name(session_, kind_));
+    if (view.condition != Condition::readable) return passed_s_;
+    if (view.published_frame < next_frame_) next_frame_ = 0, passed_s_ = 0;  // a new stream of this name
+    const auto crowd = std::find_if(view.consumers.begin(), view.consumers.end(),
+                                    [](const ConsumerView& c) { return c.alive && c.name == "crowd"; });
+    // In LATEST mode a frame is acknowledged as it is taken, and done once a newer one is taken.
+    const bool is_done = crowd == view.consumers.end() ||
+                         crowd->acknowledged_frame >= next_frame_ + (crowd->mode == shm::mode_latest ? 1 : 0);
+    if (next_frame_ > 0 && is_done) {
+        passed_s_ = next_s_;
+        next_frame_ = 0;
+    }
+    if (next_frame_ == 0 && view.last) {
+        next_frame_ = view.last->frame;
+        next_s_ = seconds_of(view.last->tick, view.info);
+    }
+    return passed_s_;
+}
+
 void LiveStream::keep(Message message) {
     came_at_ns_ = now_ns();
     const std::lock_guard lock(mutex_);

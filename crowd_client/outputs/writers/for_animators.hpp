@@ -67,7 +67,7 @@ class Poses final : public OutputWriter {
  public:
     explicit Poses(const OutputPlace& place)
         : file_(place.folder / "poses.csv", place.crowd.scene.place.has_value()),
-          steps_per_frame_(steps_per_frame_at(place.crowd.scene, place.crowd.scene.crowd->pose_rate)) {
+          steps_per_frame_(steps_per_frame_at(place.crowd.scene.crowd->step_rate, place.crowd.scene.crowd->pose_rate)) {
         write(place.crowd);
     }
 

@@ -53,7 +53,7 @@ export class Buffer {
     this.people.set(message.frame, message);
     this.asked.people.delete(message.frame);
     const people = this.status?.people;
-    if (people && message.frame >= people.frames) Object.assign(people, { frames: message.frame + 1, last: message.time });
+    if (people?.frames > 1 && message.frame >= people.frames) Object.assign(people, { frames: message.frame + 1, last: message.time });
     trim(this.people, PEOPLE_BYTES, (m) => m === message || Math.abs(m.time - this.near) < 2);
   }
 
@@ -115,10 +115,11 @@ export class Buffer {
     const people = this.status?.people;
     if (!people?.frames) return { none: true };
     if (t > people.last + 1 / people.rate + 1e-6) return { before: { count: 0, time: t, arrays: Array.from({ length: 16 }, () => []) }, after: null, share: 0 };
-    const k = this.frameAt(t), before = this.people.get(k), share = Math.min(1, Math.max(0, t * people.rate - k));
+    const k = this.frameAt(t), before = this.people.get(k);
     if (!before) return null;
-    if (share < 1e-3 || k + 1 >= people.frames) return { before, after: null, share: 0 };
-    const after = this.people.get(k + 1);
+    if (t - before.time < 1e-3 / people.rate || k + 1 >= people.frames) return { before, after: null, share: 0 };
+    // The last frame of a run that ends between two frames comes early.
+    const after = this.people.get(k + 1), share = after && Math.min(1, (t - before.time) / (after.time - before.time));
     return after ? { before, after, share } : null;
   }
 
@@ -182,10 +183,16 @@ export class Buffer {
     return [...this.water.live.values()].pop() ?? null;
   }
 
-  /** The newest water of a run that goes on, of a time with known people, or null. Without a run folder the walkers of a session. */
+  /** The newest water of a run that goes on, of a time with known people, or null. Where there are no people: the newest. */
   newestLive() {
-    const last = this.status?.people?.frames ? this.status.people.last : Infinity;
+    const people = this.status?.people, last = people?.frames ? people.last : Infinity;
     return [...this.water.live.values()].filter((m) => m.time <= last + 1e-6).pop() ?? null;
+  }
+
+  /** The last time that people and water are known of. The end of a run that goes on has its people before its snapshots. */
+  lastTime(isOver) {
+    const s = this.status, people = s?.people?.last ?? 0, water = Math.max(s?.recorded?.last ?? 0, s?.depths?.last ?? 0);
+    return isOver || !(water > 0 && s?.people?.frames) ? Math.max(people, water) : Math.min(people, water);
   }
 
   /** The walkers nearest to a time. */

@@ -58,7 +58,7 @@ export function takeTaus(text) {
 
 export const isLive = () => ['running', 'paused', 'stale', 'waiting'].includes(show.status?.live?.state);
 
-export const lastTime = () => Math.max(show.status?.people?.last ?? 0, show.status?.recorded?.last ?? 0, show.status?.depths?.last ?? 0, show.live ? show.time : 0, 0);
+export const lastTime = () => (show.live ? Math.max(show.time, buffer.lastTime(true)) : buffer.lastTime(!isLive()));
 
 // A stream of agents has no poses: positions, velocities and outcomes; 0 stands for all states without an end, -1 is unknown. The positions move on by `later` seconds.
 export function asPeople(m, later) {
@@ -118,8 +118,10 @@ export function stateOfPage() {
   return s ? 'ended' : 'waiting';
 }
 
-export function start() {
-  show.live = isLive() && !show.sought;
+/** Follows a run that goes on. */
+export function follow() {
+  show.live = isLive();
+  show.pending = null;
   if (show.live) show.target = null;
 }
 
@@ -130,10 +132,9 @@ export function seek(time) {
 }
 
 export function advance(wall) {
-  const s = show.status, people = s?.people;
-  if (!s) return;
+  if (!show.status) return;
   if (show.live && !isLive()) (show.live = false), (show.target = show.time);
-  if (show.live) return advanceLive(people);
+  if (show.live) return advanceLive();
   if (show.target !== null) {
     if (!buffer.has(show.target)) return;
     show.time = show.due = show.target;
@@ -141,21 +142,24 @@ export function advance(wall) {
   }
   if (!show.playing) return;
   const end = lastTime(), step = buffer.stepOf(show.speed);
+  if (end < show.time && isLive()) return; // it was the newest picture of a run that goes on
   // What a stall has lost is not made up for.
   show.due = Math.min(Math.max(show.due, show.time) + wall * show.speed, show.time + Math.max(1.001 * step, 0.25 * show.speed), end);
   show.time = buffer.reach(show.time, show.due, end, show.speed, wall);
   if (show.time >= end && !isLive()) setPlaying(false);
 }
 
-// The newest water with people of its time. A pending one stays so until it is shown, as newer ones come all the time. The water
-// goes on alone once no people are on their way.
-function advanceLive(people) {
-  const water = buffer.newestWater();
-  if (people?.frames && water?.time > people.last + 5) return void (show.time = water.time);
+// The newest water with people of its time, also where they are none: the server counts frames that the run has passed. A pending one
+// stays so until it is shown, as newer ones come all the time.
+function advanceLive() {
+  const people = show.status.people;
+  if (people && !people.frames && (show.scene?.crowd.poses.rate_hz ?? 1) > 0) return; // the first frame is on its way
   show.pending ??= buffer.newestLive();
   if (!show.pending || !buffer.peopleAt(show.pending.time)) return;
   show.time = show.pending.time;
-  show.pending = null;
+  show.shownLive = show.pending;
+  const next = buffer.newestLive();
+  show.pending = next.frame > show.pending.frame ? next : null; // its people are asked for at once
 }
 
 export function setPlaying(on) {

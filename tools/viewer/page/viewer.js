@@ -6,7 +6,7 @@ import { GROUP_COLOURS, castShadows, fit, goalsOf, inner, lightUp, lookDown, mak
 import { $, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showLegend, showTable } from './panel.js';
 import { People } from './people.js';
 import { Ground, makePlace } from './place.js';
-import { Stream, advance, asPeople, buffer, countStates, endedBy, faster, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, start, stateShown, tableOf, takeTaus, wanted } from './run.js';
+import { Stream, advance, asPeople, buffer, countStates, endedBy, faster, follow, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, stateShown, tableOf, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
 const calm = matchMedia('(prefers-reduced-motion: reduce)').matches; // nothing moves that the user has not started
@@ -53,7 +53,7 @@ const handlers = {
     const revision = `${status.outcome} ${status.live?.state}`;
     if (revision !== runRevision && !first) load();
     runRevision = revision;
-    if (first) start();
+    if (first && !show.sought) follow();
     takeTaus(status.events ?? '');
   },
   ground: (message) => {
@@ -287,7 +287,7 @@ function drawPeople(step, clock) {
 // The water of the time that is shown.
 function drawWater() {
   if (!show.status || !show.water) return;
-  const live = show.live && [...buffer.water.live.values()].filter((m) => m.time <= show.time + 1e-6).pop();
+  const live = show.shownLive?.time === show.time && show.shownLive; // also once it is paused
   const gates = show.water.shutGates(show.time);
   const { kind, before, after, share = 0 } = live ? { kind: 'water', before: live } : buffer.waterAt(show.time) ?? {};
   if (!before) return;
@@ -434,10 +434,6 @@ function begin() {
   top.zoom = 1;
   resize();
 }
-const newest = () => {
-  show.live = isLive();
-  if (show.live) show.target = null;
-};
 function help(isOpen) {
   $('help').classList.toggle('open', isOpen);
   $(isOpen ? 'help-close' : 'ask').focus();
@@ -461,7 +457,7 @@ function table(isOpen) {
 }
 const KEYS = {
   ' ': () => setPlaying(!show.playing), ',': () => frameStep(-1), '.': () => frameStep(1), ArrowLeft: () => frameStep(-1), ArrowRight: () => frameStep(1), '-': () => faster(-1), '+': () => faster(1),
-  Home: () => seek(0), End: () => seek(lastTime()), l: newest, w: () => cycle('form'), c: () => cycle('mode'), t: () => look(camera === top ? 'free' : 'top'),
+  Home: () => seek(0), End: () => seek(lastTime()), l: follow, w: () => cycle('form'), c: () => cycle('mode'), t: () => look(camera === top ? 'free' : 'top'),
   f: () => look('follow'), n: () => neighbour(1), p: () => neighbour(-1), r: () => (show.tracesOn = !show.tracesOn), s: () => (show.symbolsOn = !show.symbolsOn),
   d: () => theme(!show.dark), '?': () => help(!$('help').classList.contains('open')), i: () => table(!$('people').classList.contains('open')),
   Escape: () => ($('help').classList.contains('open') ? help(false) : $('people').classList.contains('open') ? table(false) : select(-1)),
@@ -481,7 +477,7 @@ const on = (id, name, does) => $(id).addEventListener(name, does);
 on('play', 'click', () => (show.live ? (show.live = false, setPlaying(false)) : setPlaying(!show.playing)));
 on('back', 'click', () => frameStep(-1));
 on('on', 'click', () => frameStep(1));
-on('live', 'click', newest);
+on('live', 'click', follow);
 on('theme', 'click', () => theme(!show.dark));
 on('ask', 'click', KEYS['?']);
 on('help-close', 'click', KEYS['?']);
