@@ -38,6 +38,7 @@ COLOURED = (("river/s05", (), 2), ("models/shallow_water_s05", (), 4), ("models/
             ("river/s05", ("--set", "/fluid/model=kinematic"), 2),
             ("places/village/village", ("--set", "/place/gates/0/opens_at_s=4"), 8), ("places/merewether/merewether", (), 60))
 KEPT = ["--set", "/crowd/poses/rate_hz=10"]  # both programs
+CUT = ["--until-s", "7.97"]  # between two rows of the poses
 TERMS = ["--terms-every-s", "0.1", "--water-every-s", "0.5"]  # the crowd
 HEAD = struct.Struct("<4sIIIddIIfffI")  # tools/viewer/README.md
 
@@ -238,6 +239,14 @@ class Folders(ViewTest):
         self.assertLess(head[4], run.outcome()["sim_time_s"] * 0.9)
         self.assertLess(client.get(get="depths", t=1e6)[0][4], run.outcome()["sim_time_s"] * 0.9)
 
+    def test_the_last_poses_may_come_between_two_frames(self):
+        run = self.pair(*KEPT, *CUT)
+        client = self.connect(self.view("--run", run.folder))
+        status = client.status(lambda s: s["people"]["frames"] == 81)["people"]
+        self.assertEqual((status["rate"], status["last"]), (10, 7.967))
+        for frame, time in ((40, 4), (79, 7.9), (80, 7.967)):
+            self.assertEqual(client.get(get="people", after=frame)[0][4], time)
+
     def test_a_place_is_described_with_its_ground_and_frames_go_by_their_numbers(self):
         folder, scene = self.folder / "run", self.folder / "basin.json"
         folder.mkdir()
@@ -309,6 +318,20 @@ class Sessions(ViewTest):
             program.send(signal.SIGINT)
             program.wait()
         client.status(lambda s: s["live"]["state"] == "ended")
+
+    def test_frames_without_people_are_known_as_the_crowd_has_passed_them(self):
+        crowd, server = self.client(*KEPT, *ENDLESS), self.server(*KEPT, *ENDLESS)
+        client = self.connect(self.view("--run", crowd.run.folder, "--session", self.session, "--starts"))
+        client.status(lambda s: s["people"]["last"] > 30)  # all six have arrived long before
+        head, _ = client.get(get="people", after=1e9)
+        self.assertEqual(head[2], 0)
+        self.assertAlmostEqual(head[4], head[5] / 10, delta=1e-9)
+        self.assertEqual(client.get(get="people", after=20)[0][2], 6)
+        self.assertLess(float(crowd.run.bytes_of("poses.csv").decode().split("\n")[-2].split(",")[1]), 30, "no more rows")
+        for program in (crowd, server):
+            program.send(signal.SIGINT)
+            program.wait()
+        self.assertLessEqual(head[4], crowd.run.outcome()["sim_time_s"])
 
     def test_a_producer_that_was_killed_is_told(self):
         client = self.connect(self.view("--session", self.session))
@@ -420,6 +443,7 @@ class Strangers(ViewTest):
         view_of_itself.mkdir()
         with contextlib.closing(sqlite3.connect(view_of_itself / "trajectories.sqlite")) as database:
             database.executescript("CREATE TABLE metadata(key, value); INSERT INTO metadata VALUES ('fps', 10);"
+                                   "CREATE VIEW frame_data AS SELECT frame FROM trajectory_data;"
                                    "CREATE VIEW trajectory_data AS WITH RECURSIVE t(frame) AS (SELECT 1 UNION ALL SELECT frame + 1 "
                                    "FROM t) SELECT frame, 1 AS id, 1 AS pos_x, 1 AS pos_y, 0 AS ori_x, 0 AS ori_y FROM t;")
         self.assertIn("status", self.connect(self.view("--run", view_of_itself)).message())
@@ -557,28 +581,23 @@ class Page(ViewTest):
     @unittest.skipIf(missing_for_page(), missing_for_page())
     def test_the_page_in_a_browser(self):
         modules = view.modules_folder()
-        run = self.kept_run()
         recording = self.folder / "water.wrec"
         three = modules / "node_modules" / "three"
-        ended = self.view("--run", run.folder, three=three)
-        water = self.server(*KEPT, "--consumers", "2")
-        recorder, crowd = self.start(PROGRAMS / "shm_record", self.session, recording), self.client(*KEPT, *TERMS)
+        water = self.server(*KEPT, *CUT, "--consumers", "2")
+        recorder, crowd = self.start(PROGRAMS / "shm_record", self.session, recording), self.client(*KEPT, *CUT, *TERMS)
         self.assert_ended_well(water, recorder, crowd)
         recorded = self.view("--run", crowd.run.folder, "--recording", recording, three=three)
-        snapped = crowd.run
-        snapshots = self.view("--run", snapped.folder, three=three)
+        ended = self.view("--run", crowd.run.folder, three=three)
         place = [HAMLET, "--session", f"{self.session}-hamlet", "--set", "/fluid/shallow_water/cell_size_m=4",
                  "--set", "/crowd/poses/rate_hz=2", "--until-s", "30"]
         water = self.start(WATER, *place)
         self.assert_ended_well(water, self.start(CLIENT, *place, "--out", self.folder / "hamlet"))
         site = self.view("--run", self.folder / "hamlet", three=three)
         running = {clock: self.waiting_run(clock, three) for clock in ("real_time", "fast")}
-        outcome = run.outcome()
-        wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"], "folder": str(snapped.folder)}
+        outcome = crowd.run.outcome()
+        wanted = {"arrived": outcome["arrived"], "dead": outcome["dead"], "end": outcome["sim_time_s"], "folder": str(crowd.run.folder)}
         pictures = os.environ.get("WADE_VIEW_PICTURES", "-" if WHOLE else "")
-        pages = {"ended": ended.address, "recorded": recorded.address,
-                 "snapshots": snapshots.address, "site": site.address, "wanted": wanted,
-                 "running": running}
+        pages = {"ended": ended.address, "recorded": recorded.address, "site": site.address, "wanted": wanted, "running": running}
         test = subprocess.run(["node", PAGE_TEST, modules, pictures], input=json.dumps(pages), capture_output=True, text=True,
                               timeout=560)
         for one in running.values():

@@ -14,10 +14,10 @@ export async function opened(modules) {
   });
   const patient = { timeout: 120000, polling: 100 }; // a net for busy machines; nothing here measures time
   const problems = [];
-  // late.ms: delay of the server's messages, which may change; context: more options of the page.
+  // late: ms, the delay of the server's messages, and mute, that none come; both may change. context: more options of the page.
   const open = async (address, hash, viewport, late = null, context = {}) => {
     const page = await browser.newPage({ viewport, bypassCSP: true, ...context });
-    if (late) await page.routeWebSocket(/stream$/, (socket) => socket.connectToServer().onMessage((m) => setTimeout(() => socket.send(m), late.ms)));
+    if (late) await page.routeWebSocket(/stream$/, (socket) => socket.connectToServer().onMessage((m) => late.mute || setTimeout(() => socket.send(m), late.ms)));
     page.on('console', (message) => ['error', 'warning'].includes(message.type()) && !/GPU stall|ReadPixels/.test(message.text()) && problems.push(message.text()));
     page.on('pageerror', (error) => problems.push(error.message));
     page.on('requestfailed', (request) => !request.url().includes('?key=') && problems.push(`failed: ${request.url()}`));

@@ -220,7 +220,9 @@ RunFolder::RunFolder(std::filesystem::path folder, bool may_be_empty)
 bool RunFolder::read_on(double passed_s) {
     const bool more = poses_.read_on();
     if (!more) passed_s_ = passed_s;
-    if (!poses_.header().empty() && !(scene_pose_rate_ > 0)) scene_pose_rate_ = pose_rate_of(text_of("manifest.json"));
+    const std::uint64_t bytes = PlainFile(folder_ / "manifest.json").bytes();
+    if (!poses_.header().empty() && bytes != std::exchange(manifest_bytes_, bytes))
+        scene_pose_rate_ = pose_rate_of(text_of("manifest.json"));
     const bool more_terms = terms_.read_on();
     look_at_water();
     if (looks_++ % 5 == 0) look_at_paths();

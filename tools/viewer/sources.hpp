@@ -203,8 +203,9 @@ class RunFolder {
     std::filesystem::path folder_;
     FrameTable poses_, terms_;
     double scene_pose_rate_ = 0;  // of the manifest, 0: unknown
-    double passed_s_ = 0;         // poses.csv lacks nothing up to there
-    double paths_per_s_ = 0;      // frames of trajectories.sqlite
+    std::uint64_t manifest_bytes_ = 0;
+    double passed_s_ = 0;     // poses.csv lacks nothing up to there
+    double paths_per_s_ = 0;  // frames of trajectories.sqlite
     std::size_t path_frames_ = 0;
     std::uint32_t columns_ = 0, rows_ = 0;  // of water.bin
     double cell_ = 0, x0_ = 0, z0_ = 0;
