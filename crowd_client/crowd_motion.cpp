@@ -43,9 +43,7 @@ void wrap(Vector2d& p, std::int32_t& laps, double period) {
 // A blow takes the part of a velocity that went against it.
 Vector2d stopped_by_bodies(const Vector2d& velocity, const Vector2d& wanted, const Vector2d& way, double dt) {
     const Vector2d lost = wanted - way;
-    const double length = std::sqrt(lost.squaredNorm());
-    if (!(length > 0)) return velocity;
-    const Vector2d n = lost / length;
+    const Vector2d n = unit_or(lost, Vector2d::Zero());
     return velocity - std::max(0.0, velocity.dot(n) - way.dot(n) / dt) * n;
 }
 
@@ -114,7 +112,7 @@ void move_agents(CrowdWorld& crowd) {
         agents.position[id] = to;
         agents.velocity[id] = way / crowd.part_time;
         agents.path_length[id] += length;
-        if (length > 0) agents.heading[id] = way / length;
+        agents.heading[id] = unit_or(way, agents.heading[id]);
         if (period > 0) wrap(agents.position[id], agents.laps[id], period);
         if (agents.people.by_body[id] != 0) {
             const Vector2d counted_on = agents.position[id] + Vector2d(agents.laps[id] * period, 0);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "configs/scene/crowd.hpp"
@@ -15,10 +16,11 @@ namespace wade::crowd {
 
 using Vector2d = Eigen::Vector2d;
 
-// v over its length; `otherwise` if that is 0.
+// Returns v over its length; `otherwise` for a length below 1e-154, which is rest.
 [[nodiscard]] inline Vector2d unit_or(const Vector2d& v, const Vector2d& otherwise) {
-    const double length = std::sqrt(v.squaredNorm());
-    return length > 0 ? Vector2d(v / length) : otherwise;
+    const double square = v.squaredNorm();
+    // The square of a length below 1e-154 has lost digits, and v / |v| may be longer than 1.
+    return square >= std::numeric_limits<double>::min() ? Vector2d(v / std::sqrt(square)) : otherwise;
 }
 
 // One particle of the water as an agent feels it.

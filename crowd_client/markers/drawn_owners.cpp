@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace wade::crowd {
@@ -43,7 +44,7 @@ void DrawnOwners::begin_row(const Claiming& claiming, const RowBand& band, int r
         const Vector2d& way = claiming.walkers.goal_offset[claiming.cells.walker[entries.first + i]];
         const auto x = static_cast<float>(way.x()), z = static_cast<float>(way.y());
         const float square = x * x + z * z;
-        const float scale = square > 0 ? 1 / std::sqrt(square) : 0;
+        const float scale = square >= std::numeric_limits<float>::min() ? 1 / std::sqrt(square) : 0;
         here.goal_x[i] = x * scale;
         here.goal_z[i] = z * scale;
     }

@@ -110,3 +110,12 @@ TEST_CASE("Eq. 9: without endurance lost or without water the agent walks on, bi
     CHECK(coupled_velocity(65, walking, 0, {150, {-200, 50}}) == walking);
     CHECK(coupled_velocity(65, walking, 1, {}) == walking);
 }
+
+TEST_CASE("A direction has the length 1, however small the vector, or there is none") {
+    const Vector2d none(0, 0);
+    for (double length = 1e10; length > 1e-320; length *= 0.37) {
+        const Vector2d unit = unit_or(length * Vector2d(0.985, 0.17), none);
+        CHECK((unit == none || std::abs(unit.norm() - 1) < 1e-15));
+        CHECK((length < 1e-150 || unit != none));
+    }
+}
