@@ -348,14 +348,15 @@ Message RunFolder::people(std::size_t frame) const {
 }
 
 Message RunFolder::paths(double from_s) const {
-    if (paths_per_s_ <= 0) return nullptr;
+    // The crowd creates the file before poses.csv.
+    const bool has_none = !poses_.header().empty() && !std::filesystem::exists(folder_ / "trajectories.sqlite");
+    if (paths_per_s_ <= 0 && !has_none) return nullptr;
     double rows = 0;
     Database database(folder_ / "trajectories.sqlite");
     const double from = std::floor(from_s * paths_per_s_);
     database.ask("SELECT count(*) FROM trajectory_data WHERE frame >= ?", {from},
                  [&](sqlite3_stmt* row) { rows = sqlite3_column_double(row, 0); });
-    if (rows == 0) return nullptr;
-    const double step = std::ceil(rows / max_path_points);
+    const double step = std::max(1.0, std::ceil(rows / max_path_points));
     std::array<std::vector<float>, 4> points;
     database.ask(
         "SELECT id, frame, pos_x, pos_y FROM trajectory_data WHERE frame >= ? AND frame % ? = 0 ORDER BY id, frame",

@@ -178,7 +178,7 @@ class RunFolder {
     [[nodiscard]] std::size_t people_frames() const;
     [[nodiscard]] double people_time(std::size_t frame) const;
     [[nodiscard]] Message people(std::size_t frame) const;  // the last one if there are not so many
-    // Paths from a time on, thinned to some 300,000 points; null if there are none.
+    // Returns the paths from a time on, thinned to some 300,000 points; null before they can be read.
     [[nodiscard]] Message paths(double from_s) const;
     // Depths as of the newest snapshot of water.bin that is not later than a time, else the first; null if there is none.
     [[nodiscard]] Message depths(double time_s) const;

@@ -89,7 +89,11 @@ class Server:
         self.address = self.process.stdout.readline().strip()  # with the key of the page
         self.opener = None
         if folder is not None and self.address:
-            self.open_by(folder)
+            try:
+                self.open_by(folder)
+            except BaseException:  # a signal leaves no file with the key
+                self.end()
+                raise
 
     def open_by(self, folder):
         """Writes the opener into a folder, or into one of its own if that cannot be written."""
@@ -224,6 +228,8 @@ def main(arguments):
                 return server.wait()
             finally:
                 server.end()
+    except KeyboardInterrupt:  # before the wait for the server's end
+        return 0
     except UsageError as error:
         say_error(f"wade view: {error}")
         return 2
