@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "configs/checks/map_cells.hpp"
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/fluid.hpp"
+#include "configs/scene/map_cells.hpp"
 #include "configs/scene/world.hpp"
 
 namespace wade {

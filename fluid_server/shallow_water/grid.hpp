@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "configs/checks/map_cells.hpp"
 #include "configs/scene/interval.hpp"
+#include "configs/scene/map_cells.hpp"
 #include "configs/scene/scene.hpp"
 #include "fluid_server/shallow_water/row_memory.hpp"
 

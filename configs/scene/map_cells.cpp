@@ -1,4 +1,4 @@
-#include "configs/checks/map_cells.hpp"
+#include "configs/scene/map_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
