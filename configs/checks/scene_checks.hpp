@@ -34,7 +34,8 @@ void check_boundaries(const Scene& scene, const std::string& source, Problems& p
 void check_water(const Scene& scene, const std::string& source, Problems& problems);
 void check_ground(const Scene& scene, const std::string& source, Problems& problems);
 void check_place(const Scene& scene, const std::string& source, Problems& problems);
-void check_outlets(const Scene& scene, const std::string& source, Problems& problems);  // whose shapes lie in the world
+// Requires shapes that check_place() has found in the world.
+void check_outlets(const Scene& scene, const std::string& source, Problems& problems);
 void check_crowd(const Scene& scene, const std::string& source, Problems& problems);
 
 // Parts of the boundaries and of the water; each throws for the first that is wrong.

@@ -305,8 +305,8 @@ void check_gauge(const Gauge& gauge, const Scene& scene, const HouseFinder& hous
                  gauge.name + " at " + at_words(gauge.at.x, gauge.at.z) + " is " + where + ". Remedy: move it.");
 }
 
-// Finds people of the table that stand on one another: outdoors by square metres, indoors by houses; and more people outdoors
-// than bodies find room in all of the world.
+// Refuses too many people of the table on one square metre outdoors, in one house, and outdoors beyond the densest packing of
+// their bodies in the world.
 void check_crowding(const Scene& scene, const HouseFinder& houses, const std::string& source) {
     if (!scene.place->residents) return;
     constexpr int most_outdoors = 10, most_indoors = 100'000;  // on a square metre; as /place/houses/*/residents

@@ -48,7 +48,7 @@ Vector2d put_in_world(Vector2d p, const World& world) {
     return p;
 }
 
-// Bodies that may be too close to others: all at first, then those that were in the turn before, and those that they come to.
+// Bodies that may overlap: all at first, then those of the turn before and the neighbours that they meet.
 class Crowded {
  public:
     explicit Crowded(std::size_t count) : listed_(count, true), list_(count) {
@@ -77,7 +77,7 @@ class Crowded {
 
 void make_room_for_bodies(Agents& agents, const Walls& walls, double radius) {
     constexpr int most_turns = 5000;
-    // Of bodies looked at, and a tenth of those sorted [A]: about 4 s. All turns of 3,600 people who find no room.
+    // Bodies visited plus a tenth of the bodies sorted [A]: about 4 s, and all turns for up to 3,600 people without room.
     constexpr std::size_t most_work = 20'000'000;
     const std::size_t count = agents.size();
     BodyCells cells;
