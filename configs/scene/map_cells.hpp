@@ -17,7 +17,8 @@ struct MapCells {
     [[nodiscard]] std::size_t cells() const { return nx * nz; }
     // cell: k * nx + i.
     [[nodiscard]] MapPoint centre_of(std::size_t cell) const {
-        return {x.lo + (static_cast<double>(cell % nx) + 0.5) * dx, z.lo + (static_cast<double>(cell / nx) + 0.5) * dz};
+        const std::size_t i = cell % nx, k = cell / nx;
+        return {x.lo + (static_cast<double>(i) + 0.5) * dx, z.lo + (static_cast<double>(k) + 0.5) * dz};
     }
 };
 
