@@ -131,7 +131,7 @@ void check_start(const World& world, std::size_t group, int member, const Vector
 Vector2d nearest_shelter(const Scene& scene, const Vector2d& place) {
     Vector2d nearest = place;
     double least = never;
-    for (const PlaceShelter& shelter : scene.place->shelters) {
+    for (const SiteShelter& shelter : scene.site->shelters) {
         Vector2d middle = Vector2d::Zero();
         const MapLine& ring = shelter.polygon.rings.at(0);
         for (const MapPoint& p : ring) middle += Vector2d(p.x, p.z) / static_cast<double>(ring.size());
@@ -148,7 +148,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
     const AgentGroup& group = scene.crowd->groups[g];
     const std::size_t id = agents.size();
     agents.position.push_back(place);
-    const bool to_shelters = scene.place && group.goals == GoalRule::shelters;
+    const bool to_shelters = scene.site && group.goals == GoalRule::shelters;
     agents.goal.push_back(to_shelters ? nearest_shelter(scene, place) : Vector2d(group.goal_x, group.goal_z));
     agents.desired_speed.push_back(group.desired_speed);
     agents.tau.push_back(group.tau ? group.tau->at(random_of(scene, id, draw_tau)) : 0);
@@ -160,7 +160,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
         {draw(draw_sex), draw(draw_height), draw(draw_age), draw(draw_friction), draw(draw_drowns), draw(draw_mass)}));
     agents.group.push_back(static_cast<std::uint32_t>(g));
     agents.outcome.push_back(Outcome::active);
-    if (!scene.place) return;
+    if (!scene.site) return;
     agents.house.push_back(-1);
     agents.leaves.push_back(0);
     agents.goes_up.push_back(0);
@@ -178,7 +178,7 @@ void let_live_indoors(Agents& agents, const Scene& scene, std::size_t id, const 
         const bool stays = random_of(scene, id, draw_stays) < leaving.stay_share;
         agents.leaves[id] = stays ? never : leaving_time(leaving, random_of(scene, id, draw_leaves));
     }
-    const House& house = scene.place->houses[static_cast<std::size_t>(lodger.house)];
+    const House& house = scene.site->houses[static_cast<std::size_t>(lodger.house)];
     const bool wants_up = random_of(scene, id, draw_goes_up) < leaving.upper_floor_share;
     agents.goes_up[id] = wants_up && !std::isnan(house.upper_floor) ? 1 : 0;
 }
@@ -233,7 +233,7 @@ Agents make_agents(const Scene& scene) {
         const AgentGroup& group = scene.crowd->groups[g];
         TauLine line;
         if (!group.tau_history.empty()) line.points = std::make_shared<const std::vector<TauPoint>>(group.tau_history);
-        if (scene.place && group.starts == StartRule::houses) {
+        if (scene.site && group.starts == StartRule::houses) {
             add_lodgers(agents, scene, g, line);
         } else {
             add_on_grid(agents, scene, g, line);

@@ -81,12 +81,12 @@ struct Agents {
     std::vector<std::uint64_t> stay_step, stay_wet_steps;  // the step, and wet_steps then
     std::vector<bool> standing;
 
-    std::vector<std::int32_t> house;  // where it starts, by number, -1: outdoors; empty without a place
+    std::vector<std::int32_t> house;  // where it starts, by number, -1: outdoors; empty without a site
     std::vector<std::string>
         resident;  // id of the table of residents; empty without such ids, and may be shorter than the others
-    std::vector<double> leaves;  // when it leaves its house, s; 0 outdoors, infinite: never; empty without a place
-    std::vector<std::uint8_t> goes_up;  // then, to the upper floor; empty without a place
-    std::vector<double> door_depth;     // deepest water at the door while in the house, m; empty without a place
+    std::vector<double> leaves;  // when it leaves its house, s; 0 outdoors, infinite: never; empty without a site
+    std::vector<std::uint8_t> goes_up;  // then, to the upper floor; empty without a site
+    std::vector<double> door_depth;     // deepest water at the door while in the house, m; empty without a site
 
     std::vector<TauLine> tau_lines;  // of those whose tau changes in time
 

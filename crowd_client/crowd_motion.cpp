@@ -85,11 +85,11 @@ bool goes_with_water(const CrowdWorld& crowd, std::size_t k) {
 }  // namespace
 
 bool leaves_with_water(const CrowdWorld& crowd, std::size_t k) {
-    if (!crowd.scene.place || !goes_with_water(crowd, k)) return false;
+    if (!crowd.scene.site || !goes_with_water(crowd, k)) return false;
     const Vector2d& at = crowd.agents.position[crowd.active[k]];
     const Fluid& f = crowd.scene.fluid;
     const double reach = 1.5 * (f.model == ModelKind::shallow_water ? f.shallow_water.cell_size : f.particle_spacing);
-    return std::ranges::any_of(crowd.scene.place->outlets, [&](const Outlet& outlet) {
+    return std::ranges::any_of(crowd.scene.site->outlets, [&](const Outlet& outlet) {
         return is_at(outlet, {at.x(), at.y()}, reach);
     });
 }

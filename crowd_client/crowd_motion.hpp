@@ -12,7 +12,7 @@ namespace wade::crowd {
 // leave of it.
 void move_agents(CrowdWorld& crowd);
 
-// Whether the water carries agent k out: into an outlet of a place or, as that is emptied, half a cell or spacing beside it [A].
+// Whether the water carries agent k out: into an outlet of a site or, as that is emptied, half a cell or spacing beside it [A].
 // Who answers by the body has lost the feet then; who has a tau has gone farther with the water in this step than he walks.
 [[nodiscard]] bool leaves_with_water(const CrowdWorld& crowd, std::size_t k);
 

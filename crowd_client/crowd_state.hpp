@@ -24,7 +24,7 @@
 #include "crowd_client/water/water_bins.hpp"
 #include "crowd_client/ways/navigation.hpp"
 #include "crowd_client/ways/obstacles.hpp"
-#include "crowd_client/ways/place_ways.hpp"
+#include "crowd_client/ways/site_ways.hpp"
 
 namespace wade::crowd {
 
@@ -103,10 +103,10 @@ struct CrowdWorld {
 }
 
 // Whether people get further in a step than the water round where they stood reaches, or look at water farther away, as who looks for
-// ways in a place does.
+// ways in a site does.
 [[nodiscard]] inline bool needs_all_water(const CrowdWorld& crowd) {
     return crowd.clock.parts > 1 || !crowd.rescues.rescuers.empty() ||
-           are_place_ways_due(crowd.navigation, crowd.steps + 1);
+           are_site_ways_due(crowd.navigation, crowd.steps + 1);
 }
 
 // How many threads walk the crowd. One that is small takes less time than threads to wake up.

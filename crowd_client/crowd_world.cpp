@@ -155,9 +155,9 @@ void go_straight(CrowdWorld& crowd) {
 
 void solve_fields(const Step& step) {
     CrowdWorld& crowd = step.crowd;
-    if (crowd.navigation.place) {
-        if (are_place_ways_due(crowd.navigation, step.number)) {
-            update_place_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
+    if (crowd.navigation.site) {
+        if (are_site_ways_due(crowd.navigation, step.number)) {
+            update_site_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
             note_depth_at_doors(crowd);
         }
         if (!crowd.active.empty()) solve_due_ways(crowd.navigation, crowd.threads);
@@ -179,9 +179,9 @@ void send(const Step& step) {
 void find_ways(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     go_straight(crowd);
-    if (crowd.navigation.place) {
-        steer_in_place(crowd.navigation, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
-                       step.decision.number, threads_for(crowd));
+    if (crowd.navigation.site) {
+        steer_in_site(crowd.navigation, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
+                      step.decision.number, threads_for(crowd));
     } else if (finds_ways(crowd.navigation)) {
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, step.decision.number,
               threads_for(crowd));

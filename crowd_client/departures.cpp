@@ -107,12 +107,12 @@ void let_out(CrowdWorld& crowd) {
 }
 
 void note_depth_at_doors(CrowdWorld& crowd) {
-    const PlaceWays& place = *crowd.navigation.place;
-    if (!place.is_wet) return;
+    const SiteWays& site = *crowd.navigation.site;
+    if (!site.is_wet) return;
     Agents& agents = crowd.agents;
     for (std::size_t id = 0; id < agents.size(); ++id) {
         if (agents.outcome[id] != Outcome::indoors && agents.outcome[id] != Outcome::upper_floor) continue;
-        const auto depth = static_cast<double>(place.depth[place.cell_at(agents.position[id])]);
+        const auto depth = static_cast<double>(site.depth[site.cell_at(agents.position[id])]);
         agents.door_depth[id] = std::max(agents.door_depth[id], depth);
     }
 }
@@ -146,7 +146,7 @@ std::string warning_of_deep_water(const CrowdWorld& crowd) {
 }
 
 bool goes_to_shelters(const CrowdWorld& crowd, std::uint32_t id) {
-    return crowd.navigation.place && crowd.navigation.place->groups[crowd.agents.group[id]].to_shelters;
+    return crowd.navigation.site && crowd.navigation.site->groups[crowd.agents.group[id]].to_shelters;
 }
 
 Outcome come_to_shelter(CrowdWorld& crowd, std::uint32_t id) {
@@ -154,7 +154,7 @@ Outcome come_to_shelter(CrowdWorld& crowd, std::uint32_t id) {
     const auto shelter = shelter_at(crowd.navigation, crowd.agents.position[id]);
     if (!shelter) return Outcome::active;
     take_in(crowd.navigation, *shelter);
-    const std::vector<PlaceShelter>& shelters = crowd.scene.place->shelters;
+    const std::vector<SiteShelter>& shelters = crowd.scene.site->shelters;
     return *shelter < shelters.size() && shelters[*shelter].is_exit ? Outcome::arrived : Outcome::sheltered;
 }
 

@@ -92,7 +92,7 @@ StandingReason hold_of(const CrowdWorld& crowd, std::size_t k) {
 }
 
 // What is before them, and the key that helps.
-std::string words_of(StandingReason hold, const Crowd& settings, bool in_place) {
+std::string words_of(StandingReason hold, const Crowd& settings, bool in_site) {
     switch (hold) {
         case StandingReason::footing:
             return "the water keeps them from walking, see their states; look at its depth and speed, and at skill, "
@@ -106,9 +106,9 @@ std::string words_of(StandingReason hold, const Crowd& settings, bool in_place) 
                        : "an obstacle is before them and no way that they fit through leads round it; look at "
                          "/obstacles, the goals and /crowd/body_radius_m";
         case StandingReason::water:
-            if (in_place) {
+            if (in_site) {
                 return "they wait at the edge of water that is too deep or fast for them, or have no way; look at "
-                       "/place/shelters and /crowd/navigation/enters_up_to_m";
+                       "/site/shelters and /crowd/navigation/enters_up_to_m";
             }
             return "the water holds them; look at /crowd/tau and the speed of the water";
         case StandingReason::people:
@@ -116,8 +116,8 @@ std::string words_of(StandingReason hold, const Crowd& settings, bool in_place) 
                 return "people are before them; crowds get past one another with /crowd/markers \"redrawn\" and "
                        "/crowd/bodies \"human\"";
             }
-            return in_place ? "people are before them"
-                            : "people are before them; /crowd/navigation/crowding leads round crowds";
+            return in_site ? "people are before them"
+                           : "people are before them; /crowd/navigation/crowding leads round crowds";
         case StandingReason::unknown:
             break;
     }
@@ -137,7 +137,7 @@ void warn(CrowdWorld& crowd, StandingReason hold, const std::vector<std::uint32_
              << std::round(10 * p.y()) / 10 << ") m";
     }
     if (ids.size() > shown) text << " and others";
-    text << "; " << words_of(hold, crowd.scene.crowd, crowd.navigation.place.has_value())
+    text << "; " << words_of(hold, crowd.scene.crowd, crowd.navigation.site.has_value())
          << " (said once; outcome.json counts who stands)";
     crowd.warnings.push_back(text.str());
 }
@@ -176,7 +176,7 @@ std::vector<std::string_view> state_names(const Scene& scene) {
     if (scene.crowd->response == ResponseKind::measured) {
         names.insert(names.end(), person_states.begin() + 1, person_states.end());
     }
-    if (scene.place) {
+    if (scene.site) {
         for (const Outcome outcome : {Outcome::sheltered, Outcome::indoors, Outcome::upper_floor}) {
             names.push_back(outcome_name(outcome));
         }

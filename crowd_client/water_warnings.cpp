@@ -52,12 +52,12 @@ bool has_people_by_body(const Scene& scene) {
 // Returns the water depth at the agents, m; 0 without water. On a site it is 1 m: deeper water sweeps agents away at any spacing.
 double depth_at_people(const Scene& scene) {
     constexpr double of_site = 1;
-    if (scene.place) return of_site;
+    if (scene.site) return of_site;
     return has_river(*scene.channel) ? scene.channel->depth : deepest_water(scene);
 }
 
 double fastest_velocity(const Scene& scene) {
-    if (scene.place) return 0;
+    if (scene.site) return 0;
     double fastest = std::abs(scene.channel->velocity);
     for (const VelocityPoint& point : scene.channel->velocity_history)
         fastest = std::max(fastest, std::abs(point.velocity));
@@ -163,9 +163,9 @@ double width_of(const House& house) {
 std::string warning_of_cells(const Scene& scene) {
     constexpr double least = 3;
     const bool has_cells = is_one_of(scene.fluid->model, {ModelKind::shallow_water, ModelKind::mixed});
-    if (!scene.place || scene.place->houses.empty() || !has_cells) return "";
+    if (!scene.site || scene.site->houses.empty() || !has_cells) return "";
     std::vector<double> widths;
-    for (const House& house : scene.place->houses) widths.push_back(width_of(house));
+    for (const House& house : scene.site->houses) widths.push_back(width_of(house));
     const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
     std::nth_element(widths.begin(), middle, widths.end());
     const double cell = scene.fluid->shallow_water.cell_size;

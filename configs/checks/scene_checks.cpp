@@ -29,7 +29,7 @@ void check_scene(const Scene& scene, const std::string& source) {
     Problems problems;
     check_geometry(scene, source, problems);
     problems.throw_if_any();
-    check_place(scene, source, problems);
+    check_site(scene, source, problems);
     problems.throw_if_any();
     check_boundaries(scene, source, problems);
     check_water(scene, source, problems);

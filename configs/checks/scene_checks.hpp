@@ -33,8 +33,8 @@ void check_geometry(const Scene& scene, const std::string& source, Problems& pro
 void check_boundaries(const Scene& scene, const std::string& source, Problems& problems);
 void check_water(const Scene& scene, const std::string& source, Problems& problems);
 void check_ground(const Scene& scene, const std::string& source, Problems& problems);
-void check_place(const Scene& scene, const std::string& source, Problems& problems);
-// Requires shapes that check_place() has found in the world.
+void check_site(const Scene& scene, const std::string& source, Problems& problems);
+// Requires shapes that check_site() has found in the world.
 void check_outlets(const Scene& scene, const std::string& source, Problems& problems);
 void check_crowd(const Scene& scene, const std::string& source, Problems& problems);
 
@@ -44,7 +44,7 @@ void check_shallow_water(const Scene& scene, const std::string& source);
 void check_mixed(const Scene& scene, const std::string& source);
 void check_steering(const Scene& scene, const std::string& source);
 
-// Parts of the crowd: events that name what exists; houses, shelters and residents of a place.
+// Parts of the crowd: events that name what exists; houses, shelters and residents of a site.
 void check_events(const Scene& scene, const std::string& source, Problems& problems);
 void check_residents(const Scene& scene, const std::string& source, Problems& problems);
 
@@ -58,7 +58,7 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
 // Whether the flow brings or starts with water up to channel.depth.
 [[nodiscard]] bool has_river(const Channel& channel);
 
-// Lines on the map; scene_checks_place.cpp.
+// Lines on the map; scene_checks_site.cpp.
 namespace on_map {
 
 // Twice the area of a triangle, m2, positive if its corners run from x towards z.

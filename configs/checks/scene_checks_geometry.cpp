@@ -157,12 +157,12 @@ Strait strait_between(const Plan& one, const Plan& other) {
     return strait;
 }
 
-// Calls add(width, between) for what is narrower than `enough`, m, among the houses of a place and the walls round it.
+// Calls add(width, between) for what is narrower than `enough`, m, among the houses of a site and the walls round it.
 template <typename Add>
 void find_gaps(const Scene& scene, double enough, Add&& add) {
     constexpr double touching = 1e-6;  // m
     std::vector<Plan> plans;
-    for (const House& house : scene.place->houses) plans.push_back(plan_of(house));
+    for (const House& house : scene.site->houses) plans.push_back(plan_of(house));
     std::sort(plans.begin(), plans.end(), [](const Plan& a, const Plan& b) { return a.x.lo < b.x.lo; });
     const auto note = [&](double width, const std::string& between) {
         if (width > touching) add(width, between);
@@ -180,12 +180,11 @@ void find_gaps(const Scene& scene, double enough, Add&& add) {
             if (strait.width < enough && !in_house(strait.middle))
                 note(strait.width, one.name + " and " + plans[k].name);
         }
-        note(one.x.lo, one.name + " and the place's edge at x 0");
-        note(one.z.lo, one.name + " and the place's edge at z 0");
+        note(one.x.lo, one.name + " and the site's edge at x 0");
+        note(one.z.lo, one.name + " and the site's edge at z 0");
         note(scene.world->length - one.x.hi,
-             one.name + " and the place's edge at x " + short_number(scene.world->length));
-        note(scene.world->width - one.z.hi,
-             one.name + " and the place's edge at z " + short_number(scene.world->width));
+             one.name + " and the site's edge at x " + short_number(scene.world->length));
+        note(scene.world->width - one.z.hi, one.name + " and the site's edge at z " + short_number(scene.world->width));
     }
 }
 
@@ -203,14 +202,14 @@ void check_in_world(const Scene& scene, const std::string& source) {
 std::vector<std::string> narrow_gaps(const Scene& scene) {
     const Channel& channel = scene.channel;
     const bool has_particles = scene.fluid->model == ModelKind::dfsph || scene.fluid->model == ModelKind::mixed;
-    if (!has_particles || (!scene.place && channel.flow == Flow::closed && channel.water_blocks.empty())) return {};
+    if (!has_particles || (!scene.site && channel.flow == Flow::closed && channel.water_blocks.empty())) return {};
     std::vector<Gap> gaps;
     // What rounding adds to a gap that is just wide enough is no fault of it.
     const double enough = (1 - 1e-6) * spacings_in_a_gap * scene.fluid->particle_spacing;
     const auto add = [&](double width, const std::string& between) {
         if (width > 0 && width < enough) gaps.push_back({width, between});
     };
-    if (scene.place) find_gaps(scene, enough, add);
+    if (scene.site) find_gaps(scene, enough, add);
     const std::vector<Obstacle>& obstacles = scene.obstacles;
     for (std::size_t i = 0; i < obstacles.size(); ++i) {
         const std::string name = "/obstacles/" + std::to_string(i);

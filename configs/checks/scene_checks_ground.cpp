@@ -32,11 +32,11 @@ void check_extent(const Scene& scene, const Raster& raster, const std::string& s
     if (x.lo <= slack && z.lo <= slack && x.hi >= scene.world->length - slack && z.hi >= scene.world->width - slack)
         return;
     refuse(
-        source, "/place/ground/file",
-        scene.place->ground.file + ": it covers x " + short_number(x.lo) + " to " + short_number(x.hi) + " m, z " +
+        source, "/site/ground/file",
+        scene.site->ground.file + ": it covers x " + short_number(x.lo) + " to " + short_number(x.hi) + " m, z " +
             short_number(z.lo) + " to " + short_number(z.hi) + " m of a world of " + short_number(scene.world->length) +
             " x " + short_number(scene.world->width) +
-            " m. Remedy: leave out /world/length_m, /world/width_m and the place's origin, which then are those of the "
+            " m. Remedy: leave out /world/length_m, /world/width_m and the site's origin, which then are those of the "
             "raster, or choose them within it.");
 }
 
@@ -45,11 +45,11 @@ void check_heights(const Scene& scene, const Raster& raster, const std::string& 
     for (std::size_t k = 0; k < raster.values.size(); ++k) {
         const double value = raster.values[k];
         if (std::isnan(value) || (value >= lowest && value <= highest)) continue;
-        refuse(source, "/place/ground/file",
-               scene.place->ground.file + ": the height of row " + std::to_string(raster.rows - k / raster.columns) +
+        refuse(source, "/site/ground/file",
+               scene.site->ground.file + ": the height of row " + std::to_string(raster.rows - k / raster.columns) +
                    " from the top, column " + std::to_string(k % raster.columns + 1) + " is " + short_number(value) +
                    " m; allowed: -500 to 9000 m. Remedy: if it stands for \"no data\", gdal_translate -a_nodata " +
-                   exact_number(value) + " " + scene.place->ground.file + " OUT.tif.");
+                   exact_number(value) + " " + scene.site->ground.file + " OUT.tif.");
     }
 }
 
@@ -105,36 +105,35 @@ void check_holes(const Scene& scene, const Raster& raster, const std::string& so
         if (!std::isnan(raster.values[k]) || outside[k]) continue;
         if (holes++ == 0) first = centre;
     }
-    const std::string remedy = " Remedy: tools/wade place import --fill fills holes from their edges.";
+    const std::string remedy = " Remedy: tools/wade site import --fill fills holes from their edges.";
     if (valid == 0)
-        refuse(source, "/place/ground/file",
-               scene.place->ground.file + ": no cell of the world has a height." + remedy);
+        refuse(source, "/site/ground/file", scene.site->ground.file + ": no cell of the world has a height." + remedy);
     if (holes == 0) return;
-    refuse(source, "/place/ground/file",
-           scene.place->ground.file + ": " + std::to_string(holes) +
+    refuse(source, "/site/ground/file",
+           scene.site->ground.file + ": " + std::to_string(holes) +
                " cells inside have no height (no data), the first at " + "x " + short_number(first.x) + " m, z " +
                short_number(first.z) + " m" + "." + remedy);
 }
 
 void check_water_depth(const Scene& scene, const std::string& source) {
-    const Place& place = *scene.place;
-    if (!place.water_depth) return;
+    const Site& site = *scene.site;
+    if (!site.water_depth) return;
     constexpr double deepest = 1000;  // m, as of a level above the ground
-    for (const double depth : place.water_depth->values) {
+    for (const double depth : site.water_depth->values) {
         if (std::isnan(depth) || (depth >= 0 && depth <= deepest)) continue;
-        refuse(source, "/place/water_depth_file",
-               place.water_file + ": a depth of " + short_number(depth) +
+        refuse(source, "/site/water_depth_file",
+               site.water_file + ": a depth of " + short_number(depth) +
                    " m; allowed: 0 to 1000 m. Remedy: gdal_translate -a_nodata " + exact_number(depth) + " " +
-                   place.water_file + " OUT.tif, if it stands for \"no data\".");
+                   site.water_file + " OUT.tif, if it stands for \"no data\".");
     }
 }
 
 }  // namespace
 
 void check_ground(const Scene& scene, const std::string& source, Problems& problems) {
-    const Place& place = *scene.place;
-    if (place.ground.raster) {
-        const Raster& raster = *place.ground.raster;
+    const Site& site = *scene.site;
+    if (site.ground.raster) {
+        const Raster& raster = *site.ground.raster;
         problems.attempt([&] {
             check_extent(scene, raster, source);
             check_heights(scene, raster, source);

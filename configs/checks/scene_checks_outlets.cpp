@@ -73,7 +73,7 @@ double work_of(const End& end, double cell) {
 
 class OutletCells {
  public:
-    OutletCells(const Scene& scene, const std::string& source) : source_(source), ground_(scene.place->ground) {
+    OutletCells(const Scene& scene, const std::string& source) : source_(source), ground_(scene.site->ground) {
         const double size = scene.fluid->model == ModelKind::dfsph ? scene.fluid->particle_spacing
                                                                    : scene.fluid->shallow_water.cell_size;
         grid_ = map_cells({0, scene.world->length}, {0, scene.world->width}, size);
@@ -182,11 +182,11 @@ class OutletCells {
 }  // namespace
 
 void check_outlets(const Scene& scene, const std::string& source, Problems& problems) {
-    const Place& place = *scene.place;
-    if (place.outlets.empty()) return;
+    const Site& site = *scene.site;
+    if (site.outlets.empty()) return;
     OutletCells cells(scene, source);
-    for (const Outlet& outlet : place.outlets) problems.attempt([&] { cells.add(outlet); });
-    for (const Source& made : place.sources) problems.attempt([&] { cells.check(made); });
+    for (const Outlet& outlet : site.outlets) problems.attempt([&] { cells.add(outlet); });
+    for (const Source& made : site.sources) problems.attempt([&] { cells.check(made); });
 }
 
 }  // namespace wade

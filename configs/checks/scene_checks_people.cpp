@@ -1,4 +1,4 @@
-// Whether events name people that there are, and whether those of a place have houses, shelters and room.
+// Whether events name people that there are, and whether those of a site have houses, shelters and room.
 
 #include <algorithm>
 #include <cstdint>
@@ -47,7 +47,7 @@ void check_event(const Scene& scene, std::size_t i, std::size_t agents, const st
 void check_goal_outside(const Scene& scene, const AgentGroup& group, const std::string& source,
                         const std::string& pointer) {
     if (group.goals == GoalRule::shelters) return;
-    for (const House& house : scene.place->houses) {
+    for (const House& house : scene.site->houses) {
         if (!contains(house.polygon, {group.goal_x, group.goal_z})) continue;
         refuse(source, pointer + "/goal",
                "the goal of group \"" + group.name + "\" at " + at(group.goal_x, group.goal_z) + " is in the house " +
@@ -55,16 +55,16 @@ void check_goal_outside(const Scene& scene, const AgentGroup& group, const std::
     }
 }
 
-void check_needs_of_place(const Scene& scene, const AgentGroup& group, const std::string& source,
-                          const std::string& pointer) {
+void check_needs_of_site(const Scene& scene, const AgentGroup& group, const std::string& source,
+                         const std::string& pointer) {
     const bool in_houses = group.starts == StartRule::houses, to_shelters = group.goals == GoalRule::shelters;
-    if (!scene.place && in_houses)
-        refuse(source, pointer + "/start/from", "\"houses\": the scene has no place; allowed: \"grid\", or /place.");
-    if (!scene.place && to_shelters)
-        refuse(source, pointer + "/goal/to", "\"shelters\": the scene has no place; allowed: \"point\", or /place.");
-    if (to_shelters && scene.place->shelters.empty() && !scene.crowd->navigation.safe_above)
+    if (!scene.site && in_houses)
+        refuse(source, pointer + "/start/from", "\"houses\": the scene has no place; allowed: \"grid\", or /site.");
+    if (!scene.site && to_shelters)
+        refuse(source, pointer + "/goal/to", "\"shelters\": the scene has no place; allowed: \"point\", or /site.");
+    if (to_shelters && scene.site->shelters.empty() && !scene.crowd->navigation.safe_above)
         refuse(source, pointer + "/goal/to",
-               "\"shelters\": the place has none; allowed: /place/shelters, /crowd/navigation/safe_above_m, or "
+               "\"shelters\": the site has none; allowed: /site/shelters, /crowd/navigation/safe_above_m, or "
                "\"point\".");
     if (in_houses && (group.hand_in_hand != HandInHand::none || group.rescuer || group.start_jitter > 0))
         refuse(source, pointer + "/start/from",
@@ -93,35 +93,35 @@ void check_table_of_residents(const Scene& scene, const std::string& source) {
     std::string known;
     for (const std::string& name : groups) known += (known.empty() ? "\"" : ", \"") + name + "\"";
     std::size_t number = 0;
-    for (const Resident& one : *scene.place->residents) {
+    for (const Resident& one : *scene.site->residents) {
         const std::string who = "person " + (one.id.empty() ? std::to_string(number) : "\"" + one.id + "\"");
         ++number;
         if (!one.group.empty() && groups.count(one.group) == 0) {
-            refuse(source, "/place/residents_csv",
+            refuse(source, "/site/residents_csv",
                    who + " is of group \"" + one.group + "\", which does not start in houses; allowed: " +
                        (known.empty() ? "a group with start/from \"houses\"." : known + "."));
         }
         if (one.x >= 0 && one.x <= scene.world->length && one.z >= 0 && one.z <= scene.world->width) continue;
         std::ostringstream place;
         place.precision(10);
-        place << who << " at (" << one.x + scene.place->origin_x << ", " << one.z + scene.place->origin_z
-              << ") of the place's system is outside the world; allowed: " << scene.place->origin_x << " to "
-              << scene.place->origin_x + scene.world->length << ", " << scene.place->origin_z << " to "
-              << scene.place->origin_z + scene.world->width << ". Is it in another system?";
-        refuse(source, "/place/residents_csv", place.str());
+        place << who << " at (" << one.x + scene.site->origin_x << ", " << one.z + scene.site->origin_z
+              << ") of the site's system is outside the world; allowed: " << scene.site->origin_x << " to "
+              << scene.site->origin_x + scene.world->length << ", " << scene.site->origin_z << " to "
+              << scene.site->origin_z + scene.world->width << ". Is it in another system?";
+        refuse(source, "/site/residents_csv", place.str());
     }
 }
 
 // Whether those who live in the place have a group.
 void check_lodgers(const Scene& scene, const std::string& source, Problems& problems) {
-    const Place& place = *scene.place;
+    const Site& site = *scene.site;
     std::int64_t in_houses = 0;
-    for (const House& house : place.houses) in_houses += house.residents;
+    for (const House& house : site.houses) in_houses += house.residents;
     const bool has_group = first_group_in_houses(scene.crowd) < scene.crowd->groups.size();
-    if (!has_group && ((in_houses > 0 && !scene.crowd->groups.empty()) || place.residents)) {
+    if (!has_group && ((in_houses > 0 && !scene.crowd->groups.empty()) || site.residents)) {
         problems.attempt([&] {
             refuse(source, "/crowd/groups",
-                   "the place has residents, and no group starts in houses; allowed: a group with start/from "
+                   "the site has residents, and no group starts in houses; allowed: a group with start/from "
                    "\"houses\", or no residents.");
         });
         return;
@@ -132,11 +132,11 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
         problems.attempt([&] {
             refuse(source, "/crowd/groups/" + std::to_string(g) + "/start/from",
                    "nobody lives in houses of group \"" + group.name +
-                       "\"; allowed: residents of /place/houses, which are the first such group's, or of its "
+                       "\"; allowed: residents of /site/houses, which are the first such group's, or of its "
                        "residents_csv.");
         });
     }
-    if (place.residents) {
+    if (site.residents) {
         problems.attempt([&] { check_table_of_residents(scene, source); });
     }
 }
@@ -145,10 +145,10 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
 bool water_changes(const Scene& scene) {
     if (scene.coupling->two_way) return true;
     if (scene.fluid->model == ModelKind::kinematic) return scene.channel->initial_river == InitialRiver::dry;
-    if (!scene.place) return scene.channel->flow != Flow::closed || !scene.channel->water_blocks.empty();
-    const Place& place = *scene.place;
-    return !place.sources.empty() || !place.rain.empty() || !place.outlets.empty() || !place.gates.empty() ||
-           place.water_depth || place.water.size() > 1;
+    if (!scene.site) return scene.channel->flow != Flow::closed || !scene.channel->water_blocks.empty();
+    const Site& site = *scene.site;
+    return !site.sources.empty() || !site.rain.empty() || !site.outlets.empty() || !site.gates.empty() ||
+           site.water_depth || site.water.size() > 1;
 }
 
 }  // namespace
@@ -185,21 +185,21 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
     for (std::size_t g = 0; g < scene.crowd->groups.size(); ++g) {
         const AgentGroup& group = scene.crowd->groups[g];
         const std::string pointer = "/crowd/groups/" + std::to_string(g);
-        problems.attempt([&] { check_needs_of_place(scene, group, source, pointer); });
+        problems.attempt([&] { check_needs_of_site(scene, group, source, pointer); });
         problems.attempt([&] { check_leaving(group, source, pointer); });
-        if (scene.place) problems.attempt([&] { check_goal_outside(scene, group, source, pointer); });
+        if (scene.site) problems.attempt([&] { check_goal_outside(scene, group, source, pointer); });
     }
-    if (scene.place) check_lodgers(scene, source, problems);
+    if (scene.site) check_lodgers(scene, source, problems);
     problems.attempt([&] {
         if (scene.fluid->publish == Publish::all) return;
-        if (scene.place && scene.fluid->model != ModelKind::shallow_water) {
+        if (scene.site && scene.fluid->model != ModelKind::shallow_water) {
             refuse(source, "/fluid/publish",
                    "\"near_agents\" is for columns of water, which /fluid/model \"" + name_of(scene.fluid->model) +
                        "\" has none of; allowed: \"all\".");
         }
-        if (!scene.place || scene.coupling->agents_stream == AgentsStream::off) {
+        if (!scene.site || scene.coupling->agents_stream == AgentsStream::off) {
             refuse(source, "/fluid/publish",
-                   "\"near_agents\" asks where they are, on a place; allowed: \"all\", or /place and "
+                   "\"near_agents\" asks where they are, on a site; allowed: \"all\", or /site and "
                    "/coupling/agents_stream \"serial\" or \"parallel\".");
         }
     });

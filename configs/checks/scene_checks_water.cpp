@@ -213,23 +213,23 @@ void check_capacity(const Scene& scene, const std::string& source) {
 }
 
 [[noreturn]] void refuse_gaps(const std::string& file, const std::string& source) {
-    refuse(source, "/place/ground/file",
+    refuse(source, "/site/ground/file",
            file +
                ": some of its cells have no height (no data), and particles need ground all over; allowed with "
-               "/fluid/model \"dfsph\": none without. Remedy: wade place import with --crop or --fill, or the model "
+               "/fluid/model \"dfsph\": none without. Remedy: wade site import with --crop or --fill, or the model "
                "\"shallow_water\", to which they are a wall.");
 }
 
-// On a place: what shallow water can and particles cannot.
-void check_particles_on_place(const Scene& scene, const std::string& source, Problems& problems) {
-    const Place& place = *scene.place;
+// On a site: what shallow water can and particles cannot.
+void check_particles_on_site(const Scene& scene, const std::string& source, Problems& problems) {
+    const Site& site = *scene.site;
     problems.attempt([&] {
-        if (place.rain.empty()) return;
-        refuse(source, "/place/rain",
+        if (site.rain.empty()) return;
+        refuse(source, "/site/rain",
                "particles are too large for drops; allowed with /fluid/model \"dfsph\": no rain. Remedy: the model "
                "\"shallow_water\".");
     });
-    for (const Outlet& outlet : place.outlets) {
+    for (const Outlet& outlet : site.outlets) {
         problems.attempt([&] {
             if (outlet.kind == OutletKind::free) return;
             refuse(source, outlet.label + "/kind",
@@ -239,13 +239,13 @@ void check_particles_on_place(const Scene& scene, const std::string& source, Pro
         });
     }
     problems.attempt([&] {
-        const Raster* const raster = place.ground.raster.get();
+        const Raster* const raster = site.ground.raster.get();
         for (std::size_t k = 0; raster && k < raster->values.size(); ++k) {
             const std::size_t column = k % raster->columns, row = k / raster->columns;
             const double x = raster->x + (static_cast<double>(column) + 0.5) * raster->cell;
             const double z = raster->z + (static_cast<double>(row) + 0.5) * raster->cell;
             const bool in_world = 0 <= x && x <= scene.world->length && 0 <= z && z <= scene.world->width;
-            if (in_world && std::isnan(raster->values[k])) refuse_gaps(place.ground.file, source);
+            if (in_world && std::isnan(raster->values[k])) refuse_gaps(site.ground.file, source);
         }
     });
 }
@@ -276,9 +276,9 @@ void check_water(const Scene& scene, const std::string& source, Problems& proble
     problems.attempt([&] { check_two_way(scene, source); });
     problems.attempt([&] { check_limits(fluid.density_solve, source, "/fluid/density_solve"); });
     problems.attempt([&] { check_limits(fluid.divergence_solve, source, "/fluid/divergence_solve"); });
-    const bool particles_on_place = scene.place && fluid.model == ModelKind::dfsph;
-    if (particles_on_place) check_particles_on_place(scene, source, problems);
-    if (!particles_on_place && !carries_water(scene.channel)) return;
+    const bool particles_on_site = scene.site && fluid.model == ModelKind::dfsph;
+    if (particles_on_site) check_particles_on_site(scene, source, problems);
+    if (!particles_on_site && !carries_water(scene.channel)) return;
     if (fluid.model != ModelKind::automatic) {  // which chooses a spacing that fits
         if (!problems.attempt([&] { check_spacing(scene, source); })) return;
         problems.attempt([&] { check_kernel(fluid, source); });

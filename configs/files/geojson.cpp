@@ -50,7 +50,7 @@ class JsonReader {
 
     [[nodiscard]] std::string type_of(const Json& object) const {
         if (!object.is_object() || !object.contains("type") || !object["type"].is_string())
-            fail("", "it is no GeoJSON: there is no \"type\". Remedy: wade place import, or ogr2ogr -f GeoJSON.");
+            fail("", "it is no GeoJSON: there is no \"type\". Remedy: wade site import, or ogr2ogr -f GeoJSON.");
         return object["type"].get<std::string>();
     }
 

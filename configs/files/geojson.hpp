@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "configs/json/json.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 
 namespace wade {
 

@@ -1,6 +1,6 @@
 // GeoTIFF with libtiff alone: the map's tags are those of OGC 19-008 (GeoTIFF 1.1), and GDAL's for "no data" and metadata.
 //
-// One strict profile is read, that of `tools/wade place import`: heights in metres in one band, rows from north to south, one projected
+// One strict profile is read, that of `tools/wade site import`: heights in metres in one band, rows from north to south, one projected
 // system by its number. Tags that would change what the values mean are refused, never ignored.
 
 #include "configs/files/geotiff.hpp"
@@ -124,7 +124,7 @@ class TiffReader {
         read_layout();
         refuse_metadata();
         read_keys(file);
-        read_place(file.raster);
+        read_site(file.raster);
         read_values(file.raster);
         return file;
     }
@@ -183,13 +183,13 @@ class TiffReader {
         if (width_ == 0 || height_ == 0) fail("it has no cells");
         if (height_ > most_raster_cells / width_)
             fail(std::to_string(width_) + " x " + std::to_string(height_) + " cells; allowed: up to " +
-                 std::to_string(most_raster_cells) + ". Remedy: tools/wade place import --crop or --cell");
+                 std::to_string(most_raster_cells) + ". Remedy: tools/wade site import --crop or --cell");
         const std::size_t cells = std::size_t{width_} * height_,
                           most = std::max(cells_of_small_file, memory_.bytes.size());
         if (cells > most)
             fail(std::to_string(width_) + " x " + std::to_string(height_) + " cells in " +
                  std::to_string(memory_.bytes.size()) + " bytes; allowed: up to " + std::to_string(most) +
-                 " in such a file. Remedy: tools/wade place import --crop or --cell, or gdal_translate without "
+                 " in such a file. Remedy: tools/wade site import --crop or --cell, or gdal_translate without "
                  "compression");
         const auto codec = field<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE);
         constexpr std::array lossless{COMPRESSION_NONE,    COMPRESSION_LZW,  COMPRESSION_ADOBE_DEFLATE,
@@ -239,7 +239,7 @@ class TiffReader {
         file.epsg = projected;
     }
 
-    void read_place(Raster& raster) {
+    void read_site(Raster& raster) {
         std::vector<double> scale = doubles(tag_scale);
         const std::vector<double> tie = doubles(tag_tie_point), matrix = doubles(tag_matrix);
         double column = 0, row = 0, x = 0, z = 0;
@@ -275,7 +275,7 @@ class TiffReader {
         constexpr double rounding = 1e-6;
         if (std::abs(scale[0] - scale[1]) > rounding * scale[0])
             fail("its cells are " + std::to_string(scale[0]) + " x " + std::to_string(scale[1]) +
-                 "; allowed: squares. Remedy: tools/wade place import makes them square");
+                 "; allowed: squares. Remedy: tools/wade site import makes them square");
         raster.cell = scale[0];
         raster.columns = width_;
         raster.rows = height_;

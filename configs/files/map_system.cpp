@@ -26,13 +26,13 @@ bool is_in_metres(int epsg) {
 }  // namespace
 
 std::string import_words() {
-    return "Remedy: tools/wade place import FILE --out DIR writes it as the programs read it.";
+    return "Remedy: tools/wade site import FILE --out DIR writes it as the programs read it.";
 }
 
 std::string reproject_words() {
-    return "allowed: a projected system with axes east and north in metres. Remedy: tools/wade place import FILE "
+    return "allowed: a projected system with axes east and north in metres. Remedy: tools/wade site import FILE "
            "--epsg "
-           "N --out DIR reprojects, N for example that of the place's UTM zone.";
+           "N --out DIR reprojects, N for example that of the site's UTM zone.";
 }
 
 std::string fault_of_system(int epsg) {

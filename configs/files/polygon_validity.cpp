@@ -102,9 +102,9 @@ bool PolygonValidity::take_work(const std::vector<MapPolygon>& parts) {
 
 std::string PolygonValidity::fault_of(const std::vector<MapPolygon>& parts) {
     const std::string tangled =
-        "its outline is too long or too tangled to be checked. Remedy: tools/wade place import, or ogr2ogr -simplify "
+        "its outline is too long or too tangled to be checked. Remedy: tools/wade site import, or ogr2ogr -simplify "
         "0.1.";
-    const std::string remedy = ". Remedy: draw its corners in order, tools/wade place import, or ogr2ogr -makevalid.";
+    const std::string remedy = ". Remedy: draw its corners in order, tools/wade site import, or ogr2ogr -makevalid.";
     if (!take_work(parts)) return tangled;
     try {
         const bool has_corner = !parts.empty() && !parts[0].rings.empty() && !parts[0].rings[0].empty();

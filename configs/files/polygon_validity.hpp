@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 
 namespace wade {
 

@@ -95,7 +95,7 @@ Header header_of(GridText& words) {
             header.no_data = value;
         } else if (key == "dx" || key == "dy") {
             words.fail(
-                "cells of dx and dy; allowed: cellsize, square cells. Remedy: tools/wade place import makes them "
+                "cells of dx and dy; allowed: cellsize, square cells. Remedy: tools/wade site import makes them "
                 "square.");
         } else {
             words.fail("the header's key \"" + key +
@@ -170,7 +170,7 @@ RasterFile read_esri_ascii(std::string_view text, const std::string& name) {
             "the header names no lower left corner; allowed: xllcorner and yllcorner, or xllcenter and yllcenter.");
     if (raster.rows > most_raster_cells / raster.columns)
         words.fail(std::to_string(raster.columns) + " x " + std::to_string(raster.rows) + " cells; allowed: up to " +
-                   std::to_string(most_raster_cells) + ". Remedy: tools/wade place import --crop or --cell.");
+                   std::to_string(most_raster_cells) + ". Remedy: tools/wade site import --crop or --cell.");
     raster.cell = header.cell;
     raster.x = header.x - (header.centre_x ? header.cell / 2 : 0);
     raster.z = header.z - (header.centre_z ? header.cell / 2 : 0);

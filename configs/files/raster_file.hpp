@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 
 namespace wade {
 

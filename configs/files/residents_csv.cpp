@@ -83,7 +83,7 @@ std::vector<Resident> parse_residents(std::string_view text, const std::string& 
                 if (!value.is_null()) {
                     columns[i]->set(one, value);
                 } else if (columns[i]->name == "x" || columns[i]->name == "y") {
-                    table.fail_here(columns[i]->name + " is empty; allowed: a number, m in the place's system.");
+                    table.fail_here(columns[i]->name + " is empty; allowed: a number, m in the site's system.");
                 }
             }
             if (!one.id.empty() && !ids.insert(one.id).second)

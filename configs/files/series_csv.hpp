@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "configs/scene/fields.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 
 namespace wade {
 

@@ -8,9 +8,9 @@
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/problems.hpp"
 #include "configs/json/json.hpp"
-#include "configs/loading/place_reader.hpp"
 #include "configs/loading/scene_file.hpp"
 #include "configs/loading/scene_override.hpp"
+#include "configs/loading/site_reader.hpp"
 #include "configs/numbers/fnv1a.hpp"
 #include "configs/scene/idle_keys.hpp"
 #include "configs/scene/kernel_choice.hpp"
@@ -61,15 +61,15 @@ void note_if_unused(const std::string& key, const Json& crowd, const std::string
 
 // A place stands for the channel and what is in it. A scene that was printed holds the channel that its place makes, a closed
 // one; of any other nothing more needs to be said.
-void note_beside_place(const std::string& key, const std::string& source, Problems& problems) {
+void note_beside_site(const std::string& key, const std::string& source, Problems& problems) {
     problems.note(source + ": /" + key +
-                  ": a place stands instead of the channel and its obstacles; allowed: none beside /place, also in the "
-                  "scenes that it extends. Houses are /place/houses.");
+                  ": a place stands instead of the channel and its obstacles; allowed: none beside /site, also in the "
+                  "scenes that it extends. Houses are /site/houses.");
 }
-void drop_channel_beside_place(Json& document, const std::string& source, Problems& problems) {
-    if (!document.contains("place") || !document.contains("channel")) return;
+void drop_channel_beside_site(Json& document, const std::string& source, Problems& problems) {
+    if (!document.contains("site") || !document.contains("channel")) return;
     if (std::as_const(document)["channel"]["flow"] == "closed") return;
-    note_beside_place("channel", source, problems);
+    note_beside_site("channel", source, problems);
     document.erase("channel");
 }
 
@@ -79,12 +79,12 @@ SetByScene set_by(const Json& document) {
     return {sets("world", "length_m"), sets("world", "width_m"), sets("fluid", "model"), ways};
 }
 
-void place_instead_of_channel(const Json& document, Scene& scene, const std::string& source, Problems& problems) {
+void site_instead_of_channel(const Json& document, Scene& scene, const std::string& source, Problems& problems) {
     const std::string as_written = written_scene(scene)["channel"].dump();
-    read_place(scene, set_by(document), source, problems);
-    if (!scene.obstacles.empty()) note_beside_place("obstacles", source, problems);
+    read_site(scene, set_by(document), source, problems);
+    if (!scene.obstacles.empty()) note_beside_site("obstacles", source, problems);
     if (document.contains("channel") && written_scene(scene)["channel"].dump() != as_written)
-        note_beside_place("channel", source, problems);
+        note_beside_site("channel", source, problems);
 }
 
 // A name for folders and titles that is as near to the file's as its characters allow: "my scene.json" is "my_scene". A
@@ -130,10 +130,10 @@ LoadedScene load_scene_text(std::string_view text, const std::filesystem::path& 
 
     LoadedScene loaded;
     loaded.scene.name = name_from(file);
-    drop_channel_beside_place(document, source, problems);
+    drop_channel_beside_site(document, source, problems);
     read_scene(document, loaded.scene, {source, problems});
     problems.throw_if_any();
-    if (loaded.scene.place_keys) place_instead_of_channel(document, loaded.scene, source, problems);
+    if (loaded.scene.site_keys) site_instead_of_channel(document, loaded.scene, source, problems);
     problems.throw_if_any();
     const std::vector<IdleKey> idle = idle_keys(document, loaded.scene);
     for (const IdleKey& key : idle) {

@@ -9,7 +9,7 @@ namespace wade {
 
 // To people on foot, by h v: Table 2 of Schaffer et al. (2020), after Viseu (2006); lower bounds, inclusive, m2/s:
 //   low 0   moderate 0.5   high 0.75   very_high 1
-// none stands for a place without water, which the table does not have.
+// none stands for a site without water, which the table does not have.
 enum class DangerLevel : std::uint8_t { none, low, moderate, high, very_high };
 inline constexpr std::size_t danger_levels = 5;
 inline constexpr std::array<double, danger_levels> danger_bounds{0, 0, 0.5, 0.75, 1};

@@ -47,7 +47,7 @@ struct NavigationSettings {
     NavigationRule rule = NavigationRule::automatic;
     double cell = 0.5;    // of the fields, m
     double crowding = 0;  // weight of people in the way
-    double every = 1;     // time after which fields with crowding, or in a place, are solved again, s; 0: never
+    double every = 1;     // time after which fields with crowding, or in a site, are solved again, s; 0: never
     SlopeRule slope = SlopeRule::level;
     double sight = 20;                   // how far who is not warned sees water, m
     std::optional<double> enters_up_to;  // deepest water that people walk into, m; none: by their stability alone

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "configs/scene/interval.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 
 namespace wade {
 

@@ -27,7 +27,7 @@ class NearPlaces {
             for (std::int64_t cz = cell(z) - 1; cz <= cell(z) + 1; ++cz) {
                 const auto found = cells_.find(key(cx, cz));
                 if (found == cells_.end()) continue;
-                for (const Place& place : found->second) {
+                for (const Position& place : found->second) {
                     if (length_of(x - place.x, z - place.z) < smallest_start_distance) return place.id;
                 }
             }
@@ -36,7 +36,7 @@ class NearPlaces {
     }
 
  private:
-    struct Place {
+    struct Position {
         double x, z;
         std::size_t id;
     };
@@ -47,7 +47,7 @@ class NearPlaces {
         return cx * stride + cz;
     }
 
-    std::unordered_map<std::int64_t, std::vector<Place>> cells_;
+    std::unordered_map<std::int64_t, std::vector<Position>> cells_;
 };
 
 }  // namespace wade

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 
 namespace wade {
 

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "configs/scene/fields/place_keys.hpp"
+#include "configs/scene/fields/site_keys.hpp"
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/part.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 
 namespace wade {
 
@@ -51,9 +51,9 @@ struct Scene {
     bool stop_when_no_agent_is_active = true;
     int lockstep_depth = 2;  // frames the fluid may be ahead of the crowd, 1 to 3
     Part<World> world;
-    Part<Channel> channel;                // of a scene with a place: closed, of the world's size, and nothing else
-    std::optional<PlaceKeys> place_keys;  // as the file says it
-    std::optional<Place> place;           // the same with what its files hold, instead of the channel
+    Part<Channel> channel;              // of a scene with a place: closed, of the world's size, and nothing else
+    std::optional<SiteKeys> site_keys;  // as the file says it
+    std::optional<Site> site;           // the same with what its files hold, instead of the channel
     std::vector<Obstacle> obstacles;
     Part<Fluid> fluid;
     Part<Crowd> crowd;

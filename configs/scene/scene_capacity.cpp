@@ -33,17 +33,17 @@ double support_radius_of(const Fluid& fluid) {
 
 namespace {
 
-// Of a place, as far as levels tell: those of its water and its outlets above the lowest ground of its raster, at least 1 m.
-double deepest_water(const Place& place) {
+// Of a site, as far as levels tell: those of its water and its outlets above the lowest ground of its raster, at least 1 m.
+double deepest_water(const Site& site) {
     double lowest = std::numeric_limits<double>::infinity(), depth = 1;
-    if (place.ground.raster) {
-        for (const double y : place.ground.raster->values) lowest = y < lowest ? y : lowest;
+    if (site.ground.raster) {
+        for (const double y : site.ground.raster->values) lowest = y < lowest ? y : lowest;
     } else {
-        lowest = place.ground.level;
-        for (const auto& point : place.ground.points) lowest = std::min(lowest, point[1]);
+        lowest = site.ground.level;
+        for (const auto& point : site.ground.points) lowest = std::min(lowest, point[1]);
     }
-    for (const StandingWater& water : place.water) depth = std::max(depth, water.level - lowest);
-    for (const Outlet& outlet : place.outlets) {
+    for (const StandingWater& water : site.water) depth = std::max(depth, water.level - lowest);
+    for (const Outlet& outlet : site.outlets) {
         for (const SeriesPoint& point : outlet.stage) depth = std::max(depth, point.value - lowest);
     }
     return depth;
@@ -52,7 +52,7 @@ double deepest_water(const Place& place) {
 }  // namespace
 
 Interval heights_of_ground(const Scene& scene) {
-    const Ground& ground = scene.place->ground;
+    const Ground& ground = scene.site->ground;
     Interval heights{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
     const auto take = [&](double y) { heights = {std::min(heights.lo, y), std::max(heights.hi, y)}; };
     if (ground.raster) {
@@ -71,7 +71,7 @@ Interval heights_of_ground(const Scene& scene) {
 }
 
 double deepest_water(const Scene& scene) {
-    if (scene.place) return deepest_water(*scene.place);
+    if (scene.site) return deepest_water(*scene.site);
     const Channel& channel = scene.channel;
     const bool by_blocks = channel.flow == Flow::closed || !channel.water_blocks.empty();
     double depth = by_blocks ? 0 : channel.depth;
@@ -88,9 +88,9 @@ std::uint64_t river_particles(const Scene& scene) {
 
 namespace {
 
-// Of the water that stands on a place at t = 0, m3: by the depth at points as far apart as the particles, at most about a million.
+// Of the water that stands on a site at t = 0, m3: by the depth at points as far apart as the particles, at most about a million.
 double standing_water(const Scene& scene) {
-    const Place& place = *scene.place;
+    const Site& site = *scene.site;
     const double area = scene.world->length * scene.world->width;
     const double step = std::max(scene.fluid->particle_spacing, std::sqrt(area / 1e6));
     const auto along = [&](double length) { return static_cast<int>(std::max(1.0, std::round(length / step))); };
@@ -100,18 +100,18 @@ double standing_water(const Scene& scene) {
     const auto number = [&](int column, int row) { return static_cast<std::size_t>(row * nx + column); };
     std::vector<double> depths(static_cast<std::size_t>(nx) * static_cast<std::size_t>(nz), 0.0);
     for (int row = 0; row < nz; ++row) {
-        for (int column = 0; column < nx && place.water_depth; ++column)
-            depths[number(column, row)] = height_in(*place.water_depth, grid.at(column, row));
+        for (int column = 0; column < nx && site.water_depth; ++column)
+            depths[number(column, row)] = height_in(*site.water_depth, grid.at(column, row));
     }
-    for (const StandingWater& water : place.water) {
+    for (const StandingWater& water : site.water) {
         const auto fill = [&](int column, int row) {
             double& depth = depths[number(column, row)];
-            depth = std::max(depth, water.level - ground_height(place.ground, grid.at(column, row)));
+            depth = std::max(depth, water.level - ground_height(site.ground, grid.at(column, row)));
         };
         const MapPolygon everywhere{{{{0, 0}, {nx * dx, 0}, {nx * dx, nz * dz}, {0, nz * dz}}}};
         for_each_point_in(water.polygon.rings.empty() ? everywhere : water.polygon, grid, fill);
     }
-    for (const House& house : place.houses)
+    for (const House& house : site.houses)
         for_each_point_in(house.polygon, grid, [&](int column, int row) { depths[number(column, row)] = 0; });
     double volume = 0;
     for (const double depth : depths) {
@@ -123,7 +123,7 @@ double standing_water(const Scene& scene) {
 }  // namespace
 
 std::uint64_t particles_needed(const Scene& scene) {
-    if (scene.place) return particles_in(standing_water(scene), scene.fluid->particle_spacing);
+    if (scene.site) return particles_in(standing_water(scene), scene.fluid->particle_spacing);
     const Channel& channel = scene.channel;
     const double d = scene.fluid->particle_spacing;
     switch (channel.flow) {
@@ -148,8 +148,8 @@ std::uint64_t particles_needed(const Scene& scene) {
 std::uint64_t particles_expected(const Scene& scene) {
     const auto room = static_cast<std::uint64_t>(std::max(scene.fluid->max_particles, 0));
     double volume = 0;
-    if (scene.place) {
-        for (const Source& source : scene.place->sources) volume += integral_of(source.discharge, 0, scene.duration);
+    if (scene.site) {
+        for (const Source& source : scene.site->sources) volume += integral_of(source.discharge, 0, scene.duration);
     }
     const double from_sources = volume / particle_volume(scene.fluid);
     return std::min(particles_needed(scene) + static_cast<std::uint64_t>(std::min(from_sources, 1e9)), room);

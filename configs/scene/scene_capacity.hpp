@@ -17,7 +17,7 @@ namespace wade {
 // The greatest height of water that the scene speaks of, m: sets the scale of wave speeds and of the grid.
 [[nodiscard]] double deepest_water(const Scene& scene);
 
-// From the lowest to the highest ground of a place, m.
+// From the lowest to the highest ground of a site, m.
 [[nodiscard]] Interval heights_of_ground(const Scene& scene);
 
 // Number of particles that fill the channel: length * width * depth / d^3, rounded.
@@ -28,7 +28,7 @@ namespace wade {
 //   recirculating  the filled channel
 //   periodic       the filled channel, or as closed
 //   closed         the sum over the water blocks, each volume / d^3, rounded
-//   on a place     the water that stands on it at t = 0; what sources bring needs room of its own
+//   on a site     the water that stands on it at t = 0; what sources bring needs room of its own
 [[nodiscard]] std::uint64_t particles_needed(const Scene& scene);
 
 // How many particles there will be at most, as far as the scene tells: those that its channel takes, no more than

@@ -150,7 +150,7 @@ DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
         }
     }
     drawn.seed = scene.seed;
-    if (!scene.place) drawn.obstacles = place_boxes(scene.obstacles);
+    if (!scene.site) drawn.obstacles = place_boxes(scene.obstacles);
     drawn.houses = houses_of(scene);
     if (crowd.bodies == BodyRule::none) drawn.play = pitch;
     return drawn;

@@ -111,9 +111,9 @@ PlacedHouses place_houses(std::vector<MapPolygon> plans) {
 }
 
 PlacedHouses houses_of(const Scene& scene) {
-    if (!scene.place) return {};
+    if (!scene.site) return {};
     std::vector<MapPolygon> plans;
-    for (const House& house : scene.place->houses) plans.push_back(house.polygon);
+    for (const House& house : scene.site->houses) plans.push_back(house.polygon);
     for (const Obstacle& o : scene.obstacles) {
         plans.push_back({{{{o.x.lo, o.z.lo}, {o.x.hi, o.z.lo}, {o.x.hi, o.z.hi}, {o.x.lo, o.z.hi}}}});
     }

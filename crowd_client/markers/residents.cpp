@@ -8,7 +8,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/numbers/normal.hpp"
 #include "configs/scene/obstacle.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
 
@@ -27,8 +27,8 @@ std::int32_t house_at(const PlacedHouses& houses, std::size_t count, const Vecto
 }
 
 std::string words_of_house(const Scene& scene, std::size_t house) {
-    const std::string& name = scene.place->houses[house].name;
-    return "/place/houses/" + std::to_string(house) + (name.empty() ? "" : " (\"" + name + "\")");
+    const std::string& name = scene.site->houses[house].name;
+    return "/site/houses/" + std::to_string(house) + (name.empty() ? "" : " (\"" + name + "\")");
 }
 
 std::span<const HouseSide> sides_of(const PlacedHouses& houses, std::size_t house) {
@@ -40,13 +40,13 @@ std::span<const HouseSide> sides_of(const PlacedHouses& houses, std::size_t hous
 
 std::vector<Lodger> lodgers_of(const Scene& scene, const PlacedHouses& houses, std::size_t group) {
     std::vector<Lodger> lodgers;
-    const std::size_t count = scene.place->houses.size();
+    const std::size_t count = scene.site->houses.size();
     for_each_resident(scene, group, [&](const Resident& row) {
         lodgers.push_back({&row, house_at(houses, count, {row.x, row.z}), 0});
     });
     if (first_group_in_houses(scene.crowd) != group) return lodgers;
     for (std::size_t house = 0; house < count; ++house) {
-        for (int k = 0; k < scene.place->houses[house].residents; ++k) {
+        for (int k = 0; k < scene.site->houses[house].residents; ++k) {
             lodgers.push_back({nullptr, static_cast<std::int32_t>(house), static_cast<std::uint32_t>(k)});
         }
     }
@@ -54,7 +54,7 @@ std::vector<Lodger> lodgers_of(const Scene& scene, const PlacedHouses& houses, s
 }
 
 Doors::Doors(const Scene& scene, const PlacedHouses& houses, double room)
-    : scene_(scene), houses_(houses), room_(room), known_(scene.place->houses.size()) {}
+    : scene_(scene), houses_(houses), room_(room), known_(scene.site->houses.size()) {}
 
 bool Doors::is_free(const Vector2d& p) const {
     const bool in_world = p.x() >= 0 && p.x() <= scene_.world->length && p.y() >= 0 && p.y() <= scene_.world->width;
@@ -87,7 +87,7 @@ Vector2d Doors::before_stated_door(std::size_t house, const MapPoint& door) cons
 const std::vector<Vector2d>& Doors::doors_of(std::size_t house) {
     std::vector<Vector2d>& places = known_[house];
     if (!places.empty()) return places;
-    for (const MapPoint& door : scene_.place->houses[house].doors) places.push_back(before_stated_door(house, door));
+    for (const MapPoint& door : scene_.site->houses[house].doors) places.push_back(before_stated_door(house, door));
     if (!places.empty()) return places;
     struct Possible {
         int rank;
@@ -101,7 +101,7 @@ const std::vector<Vector2d>& Doors::doors_of(std::size_t house) {
             const Vector2d before = side.at(share * side.length) + away() * side.outward;
             if (!is_free(before)) continue;
             const int rank = (share == 0.5 ? 0 : 1) + (side.is_of_court ? 2 : 0);
-            possible.push_back({rank, ground_height(scene_.place->ground, {before.x(), before.y()}), before});
+            possible.push_back({rank, ground_height(scene_.site->ground, {before.x(), before.y()}), before});
         }
     }
     std::stable_sort(possible.begin(), possible.end(), [](const Possible& a, const Possible& b) {
@@ -115,7 +115,7 @@ const std::vector<Vector2d>& Doors::doors_of(std::size_t house) {
 Vector2d Doors::place_before(const Lodger& lodger) {
     const auto house = static_cast<std::size_t>(lodger.house);
     const std::vector<Vector2d>& places = doors_of(house);
-    const std::size_t stated = scene_.place->houses[house].doors.size();
+    const std::size_t stated = scene_.site->houses[house].doors.size();
     if (stated == 0) return places[0];
     if (lodger.row == nullptr) return places[lodger.in_house % stated];
     const Vector2d p(lodger.row->x, lodger.row->z);

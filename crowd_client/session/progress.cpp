@@ -59,7 +59,7 @@ std::string progress_line(const CrowdWorld& crowd, const shm::Frame& frame, doub
     Words words = words_of_water(frame);
     words.begin = print("t %.1f/%g s  active %zu arrived %zu dead %zu", time, crowd.scene.duration, crowd.active.size(),
                         crowd.arrived, crowd.dead);
-    if (crowd.scene.place) words.begin += print(" sheltered %zu indoors %zu", crowd.sheltered, indoors(crowd));
+    if (crowd.scene.site) words.begin += print(" sheltered %zu indoors %zu", crowd.sheltered, indoors(crowd));
     if (pace > 0 && left) words.pace = print("  %.2f x real, ", pace) + duration_text(*left) + " to go";
     return words.line();
 }
@@ -77,7 +77,7 @@ std::string summary_text(const CrowdWorld& crowd, const RunSummary& summary, dou
     std::string text = print("%s: %zu of %zu arrived", summary.status.c_str(), crowd.arrived, crowd.agents.size());
     if (crowd.arrived > 0)
         text += print(", the last after %.1f s", static_cast<double>(crowd.last_arrival_step) * crowd.dt);
-    if (crowd.scene.place) text += print(", %zu sheltered, %zu indoors", crowd.sheltered, indoors(crowd));
+    if (crowd.scene.site) text += print(", %zu sheltered, %zu indoors", crowd.sheltered, indoors(crowd));
     text += print("; %zu dead, %zu active", crowd.dead, crowd.active.size());
     if (const std::size_t standing = count_standing(crowd); standing > 0)
         text += print(", %zu of them stand", standing);

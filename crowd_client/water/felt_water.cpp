@@ -151,8 +151,8 @@ bool is_over_a_box(const Feeling& feeling, double x, double z) {
 }
 
 double spread_of_points(const Scene& scene) {
-    // Of shallow water on a place each cell is a particle.
-    const double spacing = scene.place && scene.fluid->model == ModelKind::shallow_water
+    // Of shallow water on a site each cell is a particle.
+    const double spacing = scene.site && scene.fluid->model == ModelKind::shallow_water
                                ? std::min(scene.fluid->shallow_water.cell_size, largest_spread / spread_in_spacings)
                                : scene.fluid->particle_spacing;
     const double spread = std::max(least_spread, spread_in_spacings * spacing);
@@ -181,7 +181,7 @@ Feeling make_feeling(const Scene& scene, const Vector2d& column) {
     feeling.rest_density = scene.fluid->rest_density;
     feeling.x = scene.channel->x;
     feeling.z = scene.channel->z;
-    std::vector<Obstacle> boxes = scene.place ? std::vector<Obstacle>{} : scene.obstacles;
+    std::vector<Obstacle> boxes = scene.site ? std::vector<Obstacle>{} : scene.obstacles;
     if (const double period = scene.world->period(); period > 0) {
         constexpr double nowhere = std::numeric_limits<double>::infinity();
         feeling.x = {-nowhere, nowhere};

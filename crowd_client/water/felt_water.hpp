@@ -4,7 +4,7 @@
 //   w(r) = max(0, 1 - r / R)                             r: distance in the ground plane, m
 //   R     = 0.5 m                         of columns (StreamInfo::column_width); w_i is the mean of w over the rectangle of column i,
 //                                         less what is solid, so that the sampled depth does not depend on the width of the columns
-//   R     = max(0.5 m, 1.5 d)             of points, d their spacing (on a place that of the cells, with R up to 2 m)
+//   R     = max(0.5 m, 1.5 d)             of points, d their spacing (on a site that of the cells, with R up to 2 m)
 //   S     = sum w_i m_i                   kg
 //   theta = sum w_i^2 m_i / S             0.5 in even water; F / S * theta is how fast a force F slows U
 //   U     = sum w_i m_i v_i / S           m/s

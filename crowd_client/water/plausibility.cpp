@@ -11,7 +11,7 @@
 #include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 #include "configs/scene/world.hpp"
 
 namespace wade::crowd {
@@ -144,7 +144,7 @@ bool starts_with_water(const Scene& scene) {
 
 Box water_box(const Scene& scene) {
     const Channel& channel = scene.channel;
-    if (scene.place) return {{channel.x, heights_of(scene.place->ground, scene.world), channel.z}};
+    if (scene.site) return {{channel.x, heights_of(scene.site->ground, scene.world), channel.z}};
     double bed_lo = 0, bed_hi = 0;
     for (const BedPoint& point : channel.bed_points) {
         bed_lo = std::min(bed_lo, point.y);

@@ -65,7 +65,7 @@ bool free_of_boxes(const Walls& walls, const Vector2d& p) {
 }  // namespace
 
 Walls make_walls(const Scene& scene) {
-    std::vector<Obstacle> boxes = scene.place ? std::vector<Obstacle>{} : scene.obstacles;
+    std::vector<Obstacle> boxes = scene.site ? std::vector<Obstacle>{} : scene.obstacles;
     if (const double period = scene.world->period(); period > 0) {
         for (const Obstacle& box : scene.obstacles) {
             for (const double shift : {-period, period}) {

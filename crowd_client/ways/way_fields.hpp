@@ -31,7 +31,7 @@ struct WayField {
     [[nodiscard]] bool is_solved() const { return !travel.empty(); }
 };
 
-// Those of a group, in a place (place_ways.hpp). Field 2 g of group g knows the water, field 2 g + 1 does not.
+// Those of a group, in a site (site_ways.hpp). Field 2 g of group g knows the water, field 2 g + 1 does not.
 struct GroupWays {
     bool to_shelters = false;
     bool has_unwarned = false;
@@ -42,8 +42,8 @@ struct GroupWays {
     std::vector<std::uint8_t> shut;  // by cell of the water, where the group does not go; empty before
 };
 
-// What ways in a place need beyond the fields.
-struct PlaceWays {
+// What ways in a site need beyond the fields.
+struct SiteWays {
     GroundCells cells;                // of the water
     std::vector<double> free;         // of each, the part that no house stands on
     std::vector<float> depth, speed;  // by cell, m, m/s
@@ -102,8 +102,8 @@ struct Navigation {
     std::vector<double> density;   // people per m2, by node of one lap
     std::vector<WayField> fields;
     std::vector<std::uint32_t> field_of;  // by agent
-    std::vector<Vector2d> way;            // by agent, as last seen, m; zero: straight, in a place: it waits
-    std::optional<PlaceWays> place;
+    std::vector<Vector2d> way;            // by agent, as last seen, m; zero: straight, in a site: it waits
+    std::optional<SiteWays> site;
 };
 
 // Whether nothing stands in the way from p along `way`, m.

@@ -30,8 +30,8 @@ std::uint32_t columns_along(const Interval& extent, double spacing) {
     return static_cast<std::uint32_t>(std::max(1.0, std::floor(extent.length() / (width_in_spacings * spacing))));
 }
 
-// Area of the houses of a place by column, m2: of those that overlap as often. columns: their number along x.
-void take_houses(const Place& place, const Interval& x, const Interval& z, std::uint32_t nx, std::uint32_t nz,
+// Area of the houses of a site by column, m2: of those that overlap as often. columns: their number along x.
+void take_houses(const Site& site, const Interval& x, const Interval& z, std::uint32_t nx, std::uint32_t nz,
                  std::vector<double>& ground) {
     constexpr int along = 4;  // points in a column at which houses are looked for
     const double dx = x.length() / nx, dz = z.length() / nz, part = dx * dz / (along * along);
@@ -41,7 +41,7 @@ void take_houses(const Place& place, const Interval& x, const Interval& z, std::
         };
         return std::array<std::uint32_t, 2>{at(lo), std::min(n, at(hi) + 1)};
     };
-    for (const House& house : place.houses) {
+    for (const House& house : site.houses) {
         Interval over_x{INFINITY, -INFINITY}, over_z{INFINITY, -INFINITY};
         for (const MapLine& ring : house.polygon.rings) {
             for (const MapPoint& p : ring) {
@@ -107,7 +107,7 @@ void WaterColumns::find_ground(const Scene& scene) {
             ground_.push_back(ground);
         }
     }
-    if (scene.place) take_houses(*scene.place, x_, z_, nx_, nz_, ground_);
+    if (scene.site) take_houses(*scene.site, x_, z_, nx_, nz_, ground_);
     for (double& ground : ground_) {
         solid_.push_back(!(ground > least_ground * dx * dz));
         if (solid_.back()) ground = dx * dz;
@@ -151,8 +151,8 @@ double WaterColumns::speed(std::size_t c) const {
 }
 
 bool is_rough(const Scene& scene) {
-    if (!scene.place) return scene.channel->manning_n > 0;
-    const Roughness& roughness = scene.place->roughness;
+    if (!scene.site) return scene.channel->manning_n > 0;
+    const Roughness& roughness = scene.site->roughness;
     return roughness.n > 0 || roughness.raster || !roughness.zones.empty();
 }
 
@@ -161,8 +161,7 @@ BedFriction::BedFriction(const Scene& scene, bool whole_columns)
       least_depth_(0.5 * scene.fluid->particle_spacing),
       factor_(columns_.count(), 1.0F) {
     for (std::size_t c = 0; c < columns_.count(); ++c) {
-        const double n =
-            scene.place ? manning_at(scene.place->roughness, columns_.middle(c)) : scene.channel->manning_n;
+        const double n = scene.site ? manning_at(scene.site->roughness, columns_.middle(c)) : scene.channel->manning_n;
         coefficient_.push_back(scene.world->gravity * n * n);
     }
 }

@@ -9,9 +9,9 @@
 //
 // The friction is averaged over the depth: it acts on all particles of a column alike, so that it makes no profile of
 // velocities and no turbulence. A column stands on a cell of the ground about four spacings wide; its depth is the volume
-// of its particles over the ground in the cell that no obstacle taller than the water, and no house of a place, covers. On a
+// of its particles over the ground in the cell that no obstacle taller than the water, and no house of a site, covers. On a
 // raised bed the depth is that of the water above it. A film thinner than half a spacing has the friction of half a spacing.
-// On a place n is that in the middle of the cell.
+// On a site n is that in the middle of the cell.
 
 #include <cstddef>
 #include <cstdint>

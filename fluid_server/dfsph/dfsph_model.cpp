@@ -57,8 +57,8 @@ Estimate DfsphModel::estimate(const Scene& scene) {
 
 DfsphModel::DfsphModel(const Scene& scene)
     : world_(scene), bed_(bed_facets(scene.channel)), ground_(ground_of_bed(bed_)) {
-    if (!world_.place()) return;
-    ground_ = [&ground = world_.place()->ground()](const GroundVector& place) {
+    if (!world_.site()) return;
+    ground_ = [&ground = world_.site()->ground()](const GroundVector& place) {
         const auto x = static_cast<float>(place[0]), z = static_cast<float>(place[1]);
         return ground.at(x, z).height(x, z);
     };
@@ -72,7 +72,7 @@ DfsphModel::DfsphModel(const Scene& scene)
         ground[c] = ground_({columns_->x().lo + (static_cast<double>(column) + 0.5) * dx,
                              columns_->z().lo + (static_cast<double>(row) + 0.5) * dz});
     }
-    place_gauges(*maps_, *scene.place, ground);
+    site_gauges(*maps_, *scene.site, ground);
 }
 
 std::uint32_t DfsphModel::capacity() const {
@@ -135,10 +135,10 @@ RiverMeasures DfsphModel::measure() const {
     const Particles& p = world_.particles();
     RiverMeasures river =
         measure_river(p, static_cast<double>(world_.particle_mass()), world_.scene().world->gravity, bed_);
-    if (!world_.place() || p.count == 0) return river;
+    if (!world_.site() || p.count == 0) return river;
     double ground = 0;
     for (std::size_t i = 0; i < p.count; ++i) {
-        ground += static_cast<double>(world_.place()->ground().at(p.x[i], p.z[i]).height(p.x[i], p.z[i]));
+        ground += static_cast<double>(world_.site()->ground().at(p.x[i], p.z[i]).height(p.x[i], p.z[i]));
     }
     river.mean_depth -= 2 * ground / static_cast<double>(p.count);
     return river;
@@ -161,7 +161,7 @@ void DfsphModel::add_to_maps() {
 }
 
 void DfsphModel::write_results(const std::filesystem::path& folder) const {
-    if (maps_) write_maps(*maps_, *world_.scene().place, folder);
+    if (maps_) write_maps(*maps_, *world_.scene().site, folder);
 }
 
 StepReport DfsphModel::step(double remaining) {

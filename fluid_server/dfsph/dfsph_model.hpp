@@ -41,7 +41,7 @@ class DfsphModel final : public FluidModel {
     FluidWorld world_;
     std::vector<BedFacet> bed_;
     GroundAt ground_;
-    // Of a place.
+    // Of a site.
     std::optional<WaterColumns> columns_;
     std::optional<FloodMaps> maps_;
     PeopleInWater people_;

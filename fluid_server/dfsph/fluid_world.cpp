@@ -18,7 +18,7 @@
 #include "fluid_server/particles/filling.hpp"
 #include "fluid_server/particles/inflow.hpp"
 #include "fluid_server/particles/make_channel_ends.hpp"
-#include "fluid_server/particles/place/place_filling.hpp"
+#include "fluid_server/particles/site/site_filling.hpp"
 
 namespace wade::fluid {
 
@@ -60,10 +60,10 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
       gravity_x_(-scene.world->gravity * std::sin(std::atan(scene.channel->slope))),
       gravity_y_(-scene.world->gravity * std::cos(std::atan(scene.channel->slope))),
       depth_(scene),
-      lowest_ground_(scene.place ? heights_of_ground(scene).lo : 0) {
-    if (scene.place) {
-        place_.emplace(place_shape(scene), support_radius_, static_cast<float>(scene.fluid->particle_spacing));
-        fill_place(particles_, scene, *place_);
+      lowest_ground_(scene.site ? heights_of_ground(scene).lo : 0) {
+    if (scene.site) {
+        site_.emplace(site_shape(scene), support_radius_, static_cast<float>(scene.fluid->particle_spacing));
+        fill_site(particles_, scene, *site_);
     } else if (ends_ == nullptr) {
         fill_scene(particles_, scene);
     }
@@ -81,7 +81,7 @@ FluidWorld::FluidWorld(const Scene& scene, ChannelEnds* ends)
     if (is_rough(scene)) {
         friction_.emplace(scene, ends_->carry_inflow());
     }
-    relaxes_ = place_.has_value();
+    relaxes_ = site_.has_value();
 }
 
 // Lets particles that walls and slopes put too near to one another, or to their own images, go apart: density solves without
@@ -94,8 +94,8 @@ void FluidWorld::relax() {
                                        std::sqrt(scene_.world->gravity * deepest_water(scene_)));
     Particles& p = particles_;
     const auto put = [&](std::size_t i, Vec3 x) {
-        place_->clamp(x);
-        place_->keep_away(x, from_solids);
+        site_->clamp(x);
+        site_->keep_away(x, from_solids);
         p.x[i] = x[0], p.y[i] = x[1], p.z[i] = x[2];
     };
     for_each_particle(p.count, [&](std::size_t i) { put(i, {p.x[i], p.y[i], p.z[i]}); });
@@ -116,8 +116,8 @@ void FluidWorld::relax() {
 }
 
 void FluidWorld::find_neighbours() {
-    if (place_) {
-        fluid::find_neighbours(grid_, *place_, particles_, support_radius_, lists_);
+    if (site_) {
+        fluid::find_neighbours(grid_, *site_, particles_, support_radius_, lists_);
     } else {
         fluid::find_neighbours(grid_, solids_, particles_, support_radius_, lists_);
     }
@@ -148,7 +148,7 @@ void FluidWorld::restore(const FluidState& state, const std::string& source) {
     check_state_fits(state, scene_, source);
     copy_particles(state.particles, particles_);
     time_ = state.time;
-    relaxes_ = place_ && time_ == 0;
+    relaxes_ = site_ && time_ == 0;
     position_clamps_ = state.position_clamps;
     if (state.emitter) {
         EmitterState emitter = *state.emitter;
@@ -199,7 +199,7 @@ FluidWorld::Plan FluidWorld::plan_step(double remaining, StepReport& report) {
 }
 
 void FluidWorld::sort(double dt) {
-    if (place_) place_->open_gates(time_);
+    if (site_) site_->open_gates(time_);
     ends_->begin_step(particles_, time_, dt);
     ends_->take_out(grid_.sort(particles_, ends_->outflow_x()));
 }

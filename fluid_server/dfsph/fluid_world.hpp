@@ -20,7 +20,7 @@
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/particles/channel_ends.hpp"
 #include "fluid_server/particles/particles.hpp"
-#include "fluid_server/particles/place/place_solids.hpp"
+#include "fluid_server/particles/site/site_solids.hpp"
 #include "fluid_server/particles/solids.hpp"
 #include "fluid_server/particles/water_depth.hpp"
 #include "fluid_server/stage_clock.hpp"
@@ -98,7 +98,7 @@ class FluidWorld {
 
     [[nodiscard]] double time() const { return time_; }  // s, since the water's t = 0
     [[nodiscard]] const Particles& particles() const { return particles_; }
-    [[nodiscard]] const std::optional<PlaceSolids>& place() const { return place_; }
+    [[nodiscard]] const std::optional<SiteSolids>& site() const { return site_; }
     [[nodiscard]] const ParticleFields& fields() const { return fields_; }
     [[nodiscard]] const Scene& scene() const { return scene_; }
     [[nodiscard]] float particle_mass() const { return particle_mass_; }  // rho_0 d^3, kg
@@ -106,7 +106,7 @@ class FluidWorld {
     [[nodiscard]] EmitterState emitter() const { return ends_->state().value_or(EmitterState{}); }
     // Vertical pressure force on the bed in the last step, N; costs a sweep, valid until the next step.
     [[nodiscard]] double bed_pressure_force() const;
-    // Force of the water on the faces of an obstacle, on a place of a house, in the last step, N: pressure, viscosity,
+    // Force of the water on the faces of an obstacle, on a site of a house, in the last step, N: pressure, viscosity,
     // contact. Costs a sweep, valid until the next step.
     [[nodiscard]] std::array<double, 3> obstacle_force(std::size_t obstacle) const;
     // Pairs of a particle and a neighbour or image nearer than the support radius in the last step, both directions counted,
@@ -147,7 +147,7 @@ class FluidWorld {
     void touch_solids(float dt, StepReport& report);
     [[nodiscard]] PressureSystem system();
     void find_neighbours();
-    void relax();                                          // the water of a place at t = 0
+    void relax();                                          // the water of a site at t = 0
     [[nodiscard]] Places places(std::size_t begin) const;  // from a particle on
 
     Scene scene_;
@@ -164,7 +164,7 @@ class FluidWorld {
     GradientCorrection correction_;  // of confined water
     StartVelocities start_;          // of confined water
     Solids solids_;
-    std::optional<PlaceSolids> place_;  // instead of these, on a place
+    std::optional<SiteSolids> site_;  // instead of these, on a site
     std::optional<PressureSolver> solver_;
     std::unique_ptr<ChannelEnds> own_ends_;  // none where others stand in for them
     ChannelEnds* ends_;
@@ -172,7 +172,7 @@ class FluidWorld {
     Pushers pushers_;
     double gravity_x_, gravity_y_;  // m/s^2: gravity tilted by the slope of the bed
     WaterDepth depth_;
-    double lowest_ground_;      // m, of a place
+    double lowest_ground_;      // m, of a site
     bool relaxes_ = false;      // still has to
     double initial_speed_ = 0;  // of the fastest particle, m/s
     std::uint64_t position_clamps_ = 0;

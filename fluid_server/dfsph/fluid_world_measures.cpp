@@ -21,7 +21,7 @@ double bed_pressure_force(const Particles& p, const NeighbourLists& lists, doubl
 
 namespace {
 
-// Water slips along walls of a place: what it pushes against its images is along their normals, once both of a pair are counted.
+// Water slips along walls of a site: what it pushes against its images is along their normals, once both of a pair are counted.
 void add_force_on_house(const Particles& p, const ListedPair& pair, double particle_mass, double viscosity,
                         std::array<double, 3>& force) {
     if (p.kind[pair.i] == Kind::inflow) return;

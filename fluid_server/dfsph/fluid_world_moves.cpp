@@ -45,8 +45,8 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
         for (std::size_t i = begin; i < end; ++i) {
             v.x[i - begin] = p.vx[i], v.y[i - begin] = p.vy[i], v.z[i - begin] = p.vz[i];
         }
-        if (place_) {
-            place_->apply_contact(places(begin), end - begin, dt, v, on_obstacle);
+        if (site_) {
+            site_->apply_contact(places(begin), end - begin, dt, v, on_obstacle);
         } else {
             solids_.apply_contact(places(begin), end - begin, dt, v, on_obstacle);
         }
@@ -61,7 +61,7 @@ void FluidWorld::touch_solids(float dt, StepReport& report) {
         sums_[b] = lifted / static_cast<double>(dt);
     });
     const auto mass = static_cast<double>(particle_mass_);
-    contact_forces_.assign(place_ ? scene_.place->houses.size() : scene_.obstacles.size(), {});
+    contact_forces_.assign(site_ ? scene_.site->houses.size() : scene_.obstacles.size(), {});
     for (std::size_t b = 0; b < block_count(particles_.count); ++b) {
         for (const ContactSum& sum : contact_sums_[b]) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -87,8 +87,8 @@ void FluidWorld::move(float dt, float shift_time, StepReport& report) {
             v.y[i - begin] = p.vy[i] + shift_time * f.ay[i];
             v.z[i - begin] = p.vz[i] + shift_time * f.az[i];
         }
-        if (shift_time > 0 && place_) {
-            place_->apply_contact(places(begin), end - begin, dt, v);
+        if (shift_time > 0 && site_) {
+            site_->apply_contact(places(begin), end - begin, dt, v);
         } else if (shift_time > 0) {
             solids_.apply_contact(places(begin), end - begin, dt, v, [](std::uint32_t, std::size_t, const Vec3&) {});
         }
@@ -104,7 +104,7 @@ void FluidWorld::move(float dt, float shift_time, StepReport& report) {
             const float v2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
             guards.longest_squared = std::max(guards.longest_squared, dt * dt * v2);
             guards.not_finite += std::isfinite(x[0] + x[1] + x[2]) ? 0U : 1U;
-            guards.clamps += (place_ ? place_->clamp(x) : solids_.clamp(x)) ? 1U : 0U;
+            guards.clamps += (site_ ? site_->clamp(x) : solids_.clamp(x)) ? 1U : 0U;
             lists_.x[i] = x[0], lists_.y[i] = x[1], lists_.z[i] = x[2];
         }
         guards_[b] = guards;

@@ -21,8 +21,8 @@ constexpr float no_value_here = std::numeric_limits<float>::quiet_NaN();
 
 class MapWriter {
  public:
-    MapWriter(const FloodMaps& maps, const Place& place, const std::filesystem::path& folder)
-        : maps_(maps), place_(place), folder_(folder / "maps"), values_(maps.depth.size()) {
+    MapWriter(const FloodMaps& maps, const Site& site, const std::filesystem::path& folder)
+        : maps_(maps), place_(site), folder_(folder / "maps"), values_(maps.depth.size()) {
         std::filesystem::create_directories(folder_);
     }
 
@@ -38,7 +38,7 @@ class MapWriter {
 
  private:
     const FloodMaps& maps_;
-    const Place& place_;
+    const Site& place_;
     std::filesystem::path folder_;
     std::vector<float> values_;
 };
@@ -108,9 +108,9 @@ void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, con
     }
 }
 
-void place_gauges(FloodMaps& maps, const Place& place, const std::vector<double>& ground) {
+void site_gauges(FloodMaps& maps, const Site& site, const std::vector<double>& ground) {
     const MapGrid& grid = maps.grid;
-    for (const Gauge& gauge : place.gauges) {
+    for (const Gauge& gauge : site.gauges) {
         constexpr double reach = 2;  // cells
         GaugeRecord record{gauge.name, 0, 0, 0, {}, {}, {}, {}, {}, {}};
         double nearest = reach * reach;
@@ -130,9 +130,9 @@ void place_gauges(FloodMaps& maps, const Place& place, const std::vector<double>
     }
 }
 
-void write_maps(const FloodMaps& maps, const Place& place, const std::filesystem::path& folder) {
+void write_maps(const FloodMaps& maps, const Site& site, const std::filesystem::path& folder) {
     if (!maps.gauges.empty()) write_gauges(maps, folder);
-    MapWriter writer(maps, place, folder);
+    MapWriter writer(maps, site, folder);
     writer.write("max_depth_m.tif", [&](std::size_t k) { return maps.depth[k]; });
     writer.write("max_speed_m_s.tif", [&](std::size_t k) { return maps.speed[k]; });
     writer.write("max_dv_m2_s.tif", [&](std::size_t k) { return maps.depth_speed[k]; });

@@ -1,5 +1,5 @@
 #pragma once
-// What each cell of a place met since t = 0.
+// What each cell of a site met since t = 0.
 //
 // Depth h and speed v count from 0.01 m of water on: thinner films, whose speeds mean nothing to people, are dry [A]. Each map
 // is the largest of its own value at the ends of frames, not made of the other maps:
@@ -45,16 +45,16 @@ struct FloodMaps {
     std::vector<GaugeRecord> gauges;
 };
 
-// Sets the gauges of a place up, once the walls are known; `ground`: its height, m, by cell as in the maps. Throws
+// Sets the gauges of a site up, once the walls are known; `ground`: its height, m, by cell as in the maps. Throws
 // ConfigurationError if there are walls alone where a gauge is.
-void place_gauges(FloodMaps& maps, const Place& place, const std::vector<double>& ground);
+void site_gauges(FloodMaps& maps, const Site& site, const std::vector<double>& ground);
 
 // Adds the water of a row at a time, s: depth, m, and velocity, m/s, of its cells. The discharge of gauges is their product; a
 // model that knows the flux through faces writes that in its place.
 void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, const double* u, const double* v);
 
-// Writes the maps into `folder`/maps, in the place's coordinate system, and `folder`/gauges.csv if there are gauges. Throws std::runtime_error.
-void write_maps(const FloodMaps& maps, const Place& place, const std::filesystem::path& folder);
+// Writes the maps into `folder`/maps, in the site's coordinate system, and `folder`/gauges.csv if there are gauges. Throws std::runtime_error.
+void write_maps(const FloodMaps& maps, const Site& site, const std::filesystem::path& folder);
 
 inline constexpr double wet_depth = 0.01;  // m
 

@@ -1,5 +1,5 @@
 #pragma once
-// Who sees whom on a place, past walls at any angle and in them as mirrors.
+// Who sees whom on a site, past walls at any angle and in them as mirrors.
 //
 // An image is seen if the straight line to it, folded at the walls, is the path of a billiard ball in the water:
 //
@@ -28,7 +28,7 @@
 
 #include "fluid_server/neighbours/neighbour_lists.hpp"
 #include "fluid_server/neighbours/sight.hpp"
-#include "fluid_server/particles/place/place_solids.hpp"
+#include "fluid_server/particles/site/site_solids.hpp"
 
 namespace wade::fluid {
 

@@ -17,7 +17,7 @@
 // A list has segments: the first holds neighbours, each further one the neighbours in another view: in a mirror
 // (solids.hpp) or beyond a periodic border. There it is the cluster that moves: its lanes are mapped, x -> R x + shift, and
 // the list names ordinary particles. With x~ the mapped place, V grad W at the image is R g~ where g~ = V grad W(x~_i - x_j).
-// On a place the map of several walls, or of wall and ground, is a matrix Q that is not symmetric; that gradient is Q^T g~.
+// On a site the map of several walls, or of wall and ground, is a matrix Q that is not symmetric; that gradient is Q^T g~.
 
 #include <algorithm>
 #include <array>
@@ -65,7 +65,7 @@ struct NeighbourBlock {
 
         bool operator==(const View&) const = default;
     };
-    // Instead of `map` and `viscous` on a place, whose walls and ground have any angle; water slips along all of them.
+    // Instead of `map` and `viscous` on a site, whose walls and ground have any angle; water slips along all of them.
     struct TurnedView {
         TurnedMap map;
         bool in_ground = false;   // ground is among what mirrors
@@ -80,7 +80,7 @@ struct NeighbourBlock {
     std::vector<std::uint32_t> first_segment;  // of each cluster, and one past the last
     std::vector<Segment> segments;
     std::vector<View> views;         // each once
-    std::vector<TurnedView> turned;  // of the views, on a place; else none
+    std::vector<TurnedView> turned;  // of the views, on a site; else none
     std::vector<std::uint32_t> j;    // entries: a particle each
     LaneMasks lanes;                 // of each entry: which lanes are near and see it; from sum_kernel (sweeps.hpp) on
     // Of each entry's near lanes (dW/dr) / r in NeighbourLists::factor_unit. Until sum_kernel computes these: the shares, of
@@ -149,7 +149,7 @@ void for_each_segment(const NeighbourBlock& block, std::size_t cluster, Body&& b
 struct ListedPair {
     std::size_t i, j;
     const NeighbourBlock::View& view;
-    const NeighbourBlock::TurnedView* turned;  // on a place; else null
+    const NeighbourBlock::TurnedView* turned;  // on a site; else null
     float factor;                              // V (dW/dr) / r, 1/m^2
     Vec3 gradient;                             // g~_ij, 1/m
 

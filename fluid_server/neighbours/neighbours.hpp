@@ -4,7 +4,7 @@
 #include "fluid_server/neighbours/neighbour_lists.hpp"
 #include "fluid_server/particles/cell_grid.hpp"
 #include "fluid_server/particles/particles.hpp"
-#include "fluid_server/particles/place/place_solids.hpp"
+#include "fluid_server/particles/site/site_solids.hpp"
 #include "fluid_server/particles/solids.hpp"
 
 namespace wade::fluid {
@@ -14,8 +14,8 @@ namespace wade::fluid {
 void find_neighbours(const CellGrid& grid, const Solids& solids, const Particles& particles, float support_radius,
                      NeighbourLists& lists);
 
-// The same on a place (billiard.hpp).
-void find_neighbours(const CellGrid& grid, const PlaceSolids& solids, const Particles& particles, float support_radius,
+// The same on a site (billiard.hpp).
+void find_neighbours(const CellGrid& grid, const SiteSolids& solids, const Particles& particles, float support_radius,
                      NeighbourLists& lists);
 
 }  // namespace wade::fluid

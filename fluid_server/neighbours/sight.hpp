@@ -2,7 +2,7 @@
 // Who is near a cluster, and whom it sees: past boxes, in the face of one of them, in a facet of the bed. The rules stand in solids.hpp.
 //
 // Whom a particle sees, how much of it, and in which order does not depend on who else is in its cluster: vectors of any length give
-// the same bits. What is left out for a cluster as a whole is what none of its particles sees anything of, and on a place walls beyond
+// the same bits. What is left out for a cluster as a whole is what none of its particles sees anything of, and on a site walls beyond
 // the 64 that may stand in the way of one cluster (docs/limits.md).
 
 #include <cstddef>

@@ -310,7 +310,7 @@ HWY_INLINE Vec3V seen_from(const NeighbourBlock::View& view, const Vec3V& x) {
 HWY_INLINE Vec3V felt_back(const NeighbourBlock::View& view, const Vec3V& gradient) {
     return apply(view.map.rotation, gradient);
 }
-// and on places.
+// and on sites.
 struct TurnedViews {
     using View = NeighbourBlock::TurnedView;
     static HWY_INLINE const View& of(const NeighbourBlock& block, const NeighbourBlock::View& view) {

@@ -41,7 +41,7 @@ CellLayout layout_of_cells(const Scene& scene, float support_radius) {
     const Channel& channel = scene.channel;
     // An emitter holds its next layers behind the upstream end.
     const double behind = channel.flow == Flow::emitter ? 3 * static_cast<double>(support_radius) : 0;
-    const Interval ground = scene.place ? heights_of_ground(scene) : Interval{};
+    const Interval ground = scene.site ? heights_of_ground(scene) : Interval{};
     const std::array<double, 3> lo{channel.x.lo, ground.lo, channel.z.lo};
     const double height = channel.top == Top::open ? headroom * deepest_water(scene) : channel.height;
     const std::array<double, 3> hi{channel.x.hi + behind, ground.hi + height, channel.z.hi};

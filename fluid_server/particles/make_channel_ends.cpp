@@ -4,7 +4,7 @@
 #include "fluid_server/particles/body_force.hpp"
 #include "fluid_server/particles/emitter.hpp"
 #include "fluid_server/particles/inflow.hpp"
-#include "fluid_server/particles/place/place_ends.hpp"
+#include "fluid_server/particles/site/site_ends.hpp"
 
 namespace wade::fluid {
 
@@ -27,7 +27,7 @@ class RecirculatingEnds final : public ChannelEnds {
 }  // namespace
 
 std::unique_ptr<ChannelEnds> make_channel_ends(const Scene& scene, Particles& particles) {
-    if (scene.place) return std::make_unique<PlaceEnds>(scene);
+    if (scene.site) return std::make_unique<SiteEnds>(scene);
     switch (scene.channel->flow) {
         case Flow::emitter: {
             auto emitter = std::make_unique<Emitter>(scene, particles.count);

@@ -3,9 +3,9 @@
 //
 // Each rank has all of the grid in memory and works on its own rows. What it reads of others comes by messages:
 //
-//   each stage of a step    two rows of (h, eta, u, v) from the band below and the one above, of a place three; what cells
+//   each stage of a step    two rows of (h, eta, u, v) from the band below and the one above, of a site three; what cells
 //                           of a group in several bands get (openings.hpp)
-//   each step               the longest step and whether depths stayed positive, by the largest of all; of a place its wet
+//   each step               the longest step and whether depths stayed positive, by the largest of all; of a site its wet
 //                           lines, its outlets; of a recirculating channel sums by row, added up in the order of the rows
 //   each frame              the first rank gets what is published, of lines where water was since the last one
 //
@@ -19,7 +19,7 @@
 
 #include "fluid_server/ranks.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
-#include "fluid_server/shallow_water/place/wet_lines.hpp"
+#include "fluid_server/shallow_water/site/wet_lines.hpp"
 
 namespace wade::fluid::shallow_water {
 

@@ -15,7 +15,7 @@
 
 #include "fluid_server/shallow_water/face_flux.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
-#include "fluid_server/shallow_water/place/wet_lines.hpp"
+#include "fluid_server/shallow_water/site/wet_lines.hpp"
 
 namespace wade::fluid::shallow_water {
 

@@ -53,7 +53,7 @@ std::size_t room_for(const ShallowWater& world, std::size_t of_cell) {
                    std::max<std::size_t>(1, static_cast<std::size_t>(agents * near));
     }
     const auto particles = static_cast<std::size_t>(std::max(world.scene.fluid->max_particles, 0));
-    if (!world.place) return of_cell > 0 ? of_cell * cells : particles + cells;
+    if (!world.site) return of_cell > 0 ? of_cell * cells : particles + cells;
     of_cell = std::max<std::size_t>(of_cell, 1);
     if (!world.openings.any()) return of_cell * cells;
     const auto closed = std::count(world.openings.share.begin(), world.openings.share.end(), 0.0);
@@ -180,7 +180,7 @@ void ColumnParticles::count_wet(const ShallowWater& world) {
 }
 
 void ColumnParticles::count(const ShallowWater& world) {
-    if (world.place || split_x_ > 0) {
+    if (world.site || split_x_ > 0) {
         count_wet(world);
         across_of_.resize(2, 1);
         return;

@@ -12,7 +12,7 @@
 //    +-----------+   neighbours: numbers whose multiples fill the cell evenly (Roberts 2018, the R sequences). Where the
 //                    stream is uniform the next cell does the same, so that particles drift on from cell to cell.
 //
-// On a place each wet cell is one particle, whatever the spacing, and films are not shown.
+// On a site each wet cell is one particle, whatever the spacing, and films are not shown.
 //
 // People with the response `measured` integrate their sampling kernel over columns (shm::StreamInfo::column_width). For them each wet
 // cell is divided into equal columns at fixed positions, which are at most 2 m wide, in the mixed model half a sampling radius.
@@ -34,7 +34,7 @@ class ColumnParticles {
  public:
     explicit ColumnParticles(const ShallowWater& world);
 
-    // Room that a frame needs at most: max_particles of the scene and one more a cell; of a place one a cell that is open; the
+    // Room that a frame needs at most: max_particles of the scene and one more a cell; of a site one a cell that is open; the
     // columns of all cells for the response `measured`.
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
 

@@ -86,7 +86,7 @@ Bed make_bed(const Scene& scene, const Grid& grid) {
 
 Water initial_water(const Scene& scene, const Grid& grid, const Bed& bed) {
     Water water(grid);
-    if (scene.place) return water;  // its bed is not known before its walls: see set_openings()
+    if (scene.site) return water;  // its bed is not known before its walls: see set_openings()
     const Channel& channel = scene.channel;
     const bool river = channel.flow != Flow::closed && channel.initial_river == InitialRiver::filled;
     for_each_cell(grid, [&](std::size_t c, const Interval& x, const Interval& z) {

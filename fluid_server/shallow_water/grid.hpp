@@ -16,7 +16,7 @@
 
 namespace wade::fluid::shallow_water {
 
-// The cells of the channel, or of a place, as they lie in memory.
+// The cells of the channel, or of a site, as they lie in memory.
 struct Grid : MapCells {
     static constexpr std::size_t ghosts = 2;
 
@@ -48,8 +48,8 @@ struct Bed {
     RowMemory height;     // b, m: the mean of bed_points over the cell, or the top of an obstacle
     RowMemory obstacle;   // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
     bool level = false;   // of a channel: whether all heights are 0
-    RowMemory ground;     // of a place: height as it is given; b of cells that are stepped as one is their mean
-    RowMemory n_squared;  // of a place: square of Manning's n, s^2/m^(2/3); empty: the same everywhere
+    RowMemory ground;     // of a site: height as it is given; b of cells that are stepped as one is their mean
+    RowMemory n_squared;  // of a site: square of Manning's n, s^2/m^(2/3); empty: the same everywhere
 };
 [[nodiscard]] Bed make_bed(const Scene& scene, const Grid& grid);
 

@@ -19,15 +19,15 @@ namespace wade::fluid::shallow_water {
 
 // Measured: bytes a cell, and seconds of CPU time a cell and step.
 Estimate ShallowWaterModel::estimate(const Scene& scene) {
-    const double bytes_of_cell = scene.place ? 290 : 210;
+    const double bytes_of_cell = scene.site ? 290 : 210;
     constexpr double cell_step_cost = 4e-8;
     const Grid grid = make_grid(scene);
     const auto cells = static_cast<double>(grid.cells());
     const auto room =
-        scene.place ? grid.cells() : static_cast<std::uint64_t>(std::max(scene.fluid->max_particles, 0)) + grid.cells();
+        scene.site ? grid.cells() : static_cast<std::uint64_t>(std::max(scene.fluid->max_particles, 0)) + grid.cells();
     Estimate estimate;
     estimate.particles = std::min(particles_expected(scene) + grid.cells(), room);
-    const std::size_t field = sizeof(double) * grid.stored(), fields = scene.place ? 21 : 14;  // in pages of their own
+    const std::size_t field = sizeof(double) * grid.stored(), fields = scene.site ? 21 : 14;  // in pages of their own
     estimate.memory = empty_server + bytes_of_cell * cells +
                       static_cast<double>(fields * (bytes_in_memory(field) - field)) + memory_of_frames(scene, room);
     const double speed = largest_velocity(scene.channel) + std::sqrt(scene.world->gravity * deepest_water(scene));
@@ -89,7 +89,7 @@ shm::Diagnostics ShallowWaterModel::advance_frame(const FrameInterval& interval)
 }
 
 void ShallowWaterModel::begin_maps() {
-    if (!world_.scene.place) return;
+    if (!world_.scene.site) return;
     at_first_ = measure(world_).volume;
     const Grid& grid = world_.grid;
     maps_.emplace(MapGrid{grid.x.lo, grid.z.lo, grid.dx, grid.dz, grid.nx, grid.nz});
@@ -99,7 +99,7 @@ void ShallowWaterModel::begin_maps() {
         maps_->wall[k] = world_.openings.share_of(c) < 0.5;
         ground[k] = world_.bed.height[c];
     }
-    place_gauges(*maps_, *world_.scene.place, ground);
+    site_gauges(*maps_, *world_.scene.site, ground);
     for (const GaugeRecord& gauge : maps_->gauges) world_.gauged.push_back({gauge.row, gauge.column});
 }
 
@@ -117,12 +117,12 @@ void ShallowWaterModel::add_to_maps() {
 }
 
 void ShallowWaterModel::write_results(const std::filesystem::path& folder) const {
-    if (maps_) write_maps(*maps_, *world_.scene.place, folder);
+    if (maps_) write_maps(*maps_, *world_.scene.site, folder);
 }
 
 std::string ShallowWaterModel::remarks() const {
     char text[280];
-    if (world_.place) {
+    if (world_.site) {
         std::snprintf(
             text, sizeof text,
             "grid of %zu x %zu cells of %.4g m x %.4g m, %.4g M steps of cells at the water, %.9g m3 stood there, "

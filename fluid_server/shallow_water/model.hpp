@@ -39,7 +39,7 @@ class ShallowWaterModel final : public FluidModel {
     ShallowWater world_;
     ColumnParticles particles_;
     PeopleInWater people_;
-    std::optional<FloodMaps> maps_;    // of a place
+    std::optional<FloodMaps> maps_;    // of a site
     double at_first_ = 0;              // m^3 at t = 0
     double inflow_ = 0, outflow_ = 0;  // m^3 since then
     double cell_steps_ = 0;

@@ -107,7 +107,7 @@ void spread(ShallowWater& world, Ranks& ranks) {
     take_bands(world, cut(work_of_rows(world), count));
     world.band.touched = Lines(world.grid, true);
     world.bands.clear();
-    if (world.place) find_active(world);
+    if (world.site) find_active(world);
 }
 
 void fill_borders(ShallowWater& world, Primitive& state) {
@@ -117,7 +117,7 @@ void fill_borders(ShallowWater& world, Primitive& state) {
     if (band.ranks == nullptr) return;
     std::vector<RowMemory*> fields{&state.h, &state.u, &state.v};
     if (!state.eta.empty()) fields.push_back(&state.eta);
-    const std::size_t rows = Grid::ghosts + (world.place ? 1 : 0);  // slopes away from a wall look at one more
+    const std::size_t rows = Grid::ghosts + (world.site ? 1 : 0);  // slopes away from a wall look at one more
     const std::size_t width = grid.nx + 2 * Grid::ghosts;
     const std::size_t size = fields.size() * rows * width;
     const auto copy = [&](std::vector<double>& message, std::ptrdiff_t row, bool out) {
@@ -208,8 +208,8 @@ void find_shared(ShallowWater& world) {
         band.shared.insert(band.shared.end(), members + static_cast<std::ptrdiff_t>(group.first),
                            members + static_cast<std::ptrdiff_t>(group.last));
     }
-    if (!world.place) return;
-    for (PlaceOutlet& outlet : world.place->outlets) {
+    if (!world.site) return;
+    for (SiteOutlet& outlet : world.site->outlets) {
         outlet.beside.clear();
         for (const OutletCell& cell : outlet.cells) {
             for (std::size_t n = 0; n < cell.count; ++n) {
@@ -278,7 +278,7 @@ void share_all(ShallowWater& world, std::span<const RowField> others) {
 
 void rebalance(ShallowWater& world, std::span<const RowField> others) {
     Band& band = world.band;
-    if (band.ranks == nullptr || !world.place) return;
+    if (band.ranks == nullptr || !world.site) return;
     const std::vector<double> work = work_of_rows(world);
     double all = 0;
     for (const double row : work) all += row;

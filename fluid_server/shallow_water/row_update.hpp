@@ -1,7 +1,7 @@
 #pragma once
-// Rows of cells from one state to the next one: an Euler step of a channel, a whole step of a place.
+// Rows of cells from one state to the next one: an Euler step of a channel, a whole step of a site.
 //
-// The step of a place is that of MUSCL and Hancock (van Leer 1984, SIAM J. Sci. Stat. Comput. 5, 1; Toro 2001, Shock-Capturing
+// The step of a site is that of MUSCL and Hancock (van Leer 1984, SIAM J. Sci. Stat. Comput. 5, 1; Toro 2001, Shock-Capturing
 // Methods, section 11.5): half a step of each cell by its own slopes alone,
 //
 //   h* = h - dt/2 (u h_x + h u_x + v h_z + h v_z)
@@ -43,7 +43,7 @@ void update_band(ShallowWater& world, const BandFrom& from, const StageTerms& te
                  RowMemory& buffer, const BandTo& to);
 
 // From the world's `water` and `primitive` to its `stage` and `stage_primitive`, rows [begin, end) without ghosts, dt, s. Writes
-// the smallest depths by row. Cells of groups get what each would have alone. Of a place.
-void update_place_band(ShallowWater& world, double dt, std::size_t begin, std::size_t end, RowMemory& buffer);
+// the smallest depths by row. Cells of groups get what each would have alone. Of a site.
+void update_site_band(ShallowWater& world, double dt, std::size_t begin, std::size_t end, RowMemory& buffer);
 
 }  // namespace wade::fluid::shallow_water

@@ -122,10 +122,10 @@ double time_step(ShallowWater& world, double remaining) {
         rate = std::max(rate, (v + std::sqrt(world.constants.gravity * channel.depth)) / grid.dx);
     }
     double longest = rate > 0 ? world.scene.fluid->cfl / rate : remaining;
-    if (world.place) {
+    if (world.site) {
         const double way = world.scene.fluid->cfl * std::min(world.grid.dx, world.grid.dz);
         longest =
-            longest_with_inflow(*world.place, world.time, std::min(longest, remaining), world.constants.gravity, way);
+            longest_with_inflow(*world.site, world.time, std::min(longest, remaining), world.constants.gravity, way);
     }
     return remaining / std::ceil(std::max(1.0, remaining / longest));
 }
@@ -168,7 +168,7 @@ bool heun_step(ShallowWater& world, StepReport& report) {
 // Hancock's step of dt from `water` and `primitive` to `stage` and `stage_primitive`. Whether all depths stayed positive.
 bool hancock_step(ShallowWater& world, double dt) {
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
-        update_place_band(world, dt, begin, end, buffer);
+        update_site_band(world, dt, begin, end, buffer);
     });
     share_groups(world, world.stage.h, world.stage.qx, world.stage.qz);
     const auto groups = static_cast<std::ptrdiff_t>(world.openings.active_groups.size());
@@ -184,7 +184,7 @@ bool hancock_step(ShallowWater& world, double dt) {
 
 // The longest step of report.dt after which all depths are positive, each one tried half of the one before.
 void advance(ShallowWater& world, StepReport& report) {
-    if (world.place) {
+    if (world.site) {
         for (GaugedCell& cell : world.gauged) cell.qx = cell.qz = 0;
         for (int halved = 0; !hancock_step(world, report.dt) && halved < most_halvings; ++halved) report.dt *= 0.5;
         std::swap(world.primitive, world.stage_primitive);
@@ -239,7 +239,7 @@ void drive(ShallowWater& world, std::optional<double> driven_by, StepReport& rep
 }
 
 // What came and went over the step, and where the water is now.
-void change_place(ShallowWater& world, bool pushed, StepReport& report) {
+void change_site(ShallowWater& world, bool pushed, StepReport& report) {
     const Passed passed = exchange(world, report.dt);
     report.inflow += passed.inflow, report.outflow += passed.outflow;
     if (passed.rained) world.lines.active = Lines(world.grid, true);
@@ -256,13 +256,13 @@ void change_place(ShallowWater& world, bool pushed, StepReport& report) {
 StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, std::optional<double> driven_by) {
     StepReport report;
     StepStages stage(report.stages);
-    if (world.place) {
-        if (gates_open(*world.place, world.time)) {
+    if (world.site) {
+        if (gates_open(*world.site, world.time)) {
             share_all(world);
             set_openings(world, world.time + gate_slack);
             update_primitive(world);
         }
-        remaining = until_gate_opens(*world.place, world.time, remaining);
+        remaining = until_gate_opens(*world.site, world.time, remaining);
     }
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
     stage(Stage::update, [&] { advance(world, report); });
@@ -272,10 +272,10 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
     if (pushed) {
         stage(Stage::people, [&] {
             push_cells(world, *people, report.dt / people->frame_time);
-            if (!driven && !world.place) update_active(world);
+            if (!driven && !world.site) update_active(world);
         });
     }
-    if (world.place) stage(Stage::place, [&] { change_place(world, pushed, report); });
+    if (world.site) stage(Stage::place, [&] { change_site(world, pushed, report); });
     if (driven) stage(Stage::drive, [&] { drive(world, driven_by, report); });
     world.time += report.dt;
     return report;

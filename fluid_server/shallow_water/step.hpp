@@ -12,11 +12,11 @@
 //
 //   U' = (U + dt L(U)) / (1 + dt k),   U_new = (U + U'')/2,
 //
-// on a place Hancock's, for half of the work (row_update.hpp); both with the friction of the old state taken implicitly, so that it
+// on a site Hancock's, for half of the work (row_update.hpp); both with the friction of the old state taken implicitly, so that it
 // stops water at most. Depths stay positive as long as
 // dt (s_x / dx + s_z / dz) <= 1/2, s the fastest wave each way; a step after which one is negative is taken anew with half
 // of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
-// velocity along x that all of it lacks to v_F. On a place (place_water.hpp) what came in and left meanwhile follows after each
+// velocity along x that all of it lacks to v_F. On a site (site_water.hpp) what came in and left meanwhile follows after each
 // step; its walls cut cells (openings.hpp), and only cells at the water are worked on (wet_lines.hpp).
 
 #include <array>
@@ -31,19 +31,19 @@ namespace wade::fluid::shallow_water {
 
 enum class Stage : std::size_t {
     time_step,  // the longest that is stable
-    update,  // both Euler steps, on a place Hancock's one; taken anew with half the time where a depth became negative
+    update,  // both Euler steps, on a site Hancock's one; taken anew with half the time where a depth became negative
     flow,    // what passed the watched faces
     people,  // take their impulses
     place,   // gets and loses water, and finds its wet cells
     drive    // of a recirculating channel
 };
-inline constexpr std::array<std::string_view, 6> stage_names{"time_step", "update", "flow", "people", "place", "drive"};
+inline constexpr std::array<std::string_view, 6> stage_names{"time_step", "update", "flow", "people", "site", "drive"};
 using StepStages = StageClock<Stage, stage_names.size()>;
 
 struct StepReport {
     double dt = 0;                    // s
     double driving_acceleration = 0;  // of a recirculating channel, m/s2 towards -x, as a mean over the step
-    double inflow = 0, outflow = 0;   // volume that came in at x.hi and left at x.lo, or of a place anywhere, m^3
+    double inflow = 0, outflow = 0;   // volume that came in at x.hi and left at x.lo, or of a site anywhere, m^3
     StepStages::Seconds stages{};     // wall time, s
 };
 

@@ -9,7 +9,7 @@
 #include "configs/scene/channel.hpp"
 #include "configs/scene/world.hpp"
 #include "fluid_server/particles/filling.hpp"
-#include "fluid_server/shallow_water/place/place_ground.hpp"
+#include "fluid_server/shallow_water/site/site_ground.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -17,7 +17,7 @@ namespace {
 
 // A cell is dry below this share of the deepest water: a film without velocity.
 constexpr double dry_share = 1e-5;
-// On a place, below this share of a cell's size [A].
+// On a site, below this share of a cell's size [A].
 constexpr double dry_share_of_cell = 1e-4;
 
 // `step`: from a cell to the one above the face.
@@ -110,11 +110,11 @@ void find_active_groups(ShallowWater& world) {
     Lines& active = world.lines.active;
     openings.active_groups.clear();
     for (std::size_t g = 0; g < openings.groups.size(); ++g) {
-        const Lines::Place* const begin = openings.lines_of_groups.data() + openings.groups[g].first_line;
-        const Lines::Place* const end = openings.lines_of_groups.data() + openings.groups[g].last_line;
-        if (std::none_of(begin, end, [&](const Lines::Place& line) { return active.has(line); })) continue;
+        const Lines::Position* const begin = openings.lines_of_groups.data() + openings.groups[g].first_line;
+        const Lines::Position* const end = openings.lines_of_groups.data() + openings.groups[g].last_line;
+        if (std::none_of(begin, end, [&](const Lines::Position& line) { return active.has(line); })) continue;
         openings.active_groups.push_back(g);
-        std::for_each(begin, end, [&](const Lines::Place& line) { active.set(line); });
+        std::for_each(begin, end, [&](const Lines::Position& line) { active.set(line); });
     }
 }
 
@@ -136,10 +136,10 @@ void mark_always(ShallowWater& world) {
     const auto mark = [&](std::size_t c) {
         world.lines.always.set(c / world.grid.stride - Grid::ghosts, c % world.grid.stride - line_values);
     };
-    for (const PlaceSource& source : world.place->sources) {
+    for (const SiteSource& source : world.site->sources) {
         for (const SourceCell& cell : source.cells) mark(cell.cell);
     }
-    for (const PlaceOutlet& outlet : world.place->outlets) {
+    for (const SiteOutlet& outlet : world.site->outlets) {
         if (outlet.kind == OutletKind::free) continue;  // dry where no water is beside it
         for (const OutletCell& cell : outlet.cells) mark(cell.cell);
     }
@@ -150,7 +150,7 @@ void mark_always(ShallowWater& world) {
 ShallowWater::ShallowWater(const Scene& its_scene)
     : scene(its_scene),
       grid(make_grid(scene)),
-      bed(scene.place ? place_bed(*scene.place, grid) : make_bed(scene, grid)),
+      bed(scene.site ? site_bed(*scene.site, grid) : make_bed(scene, grid)),
       water(initial_water(scene, grid, bed)),
       primitive(grid, bed),
       stage(grid),
@@ -169,13 +169,13 @@ ShallowWater::ShallowWater(const Scene& its_scene)
     acceleration = -scene.world->gravity * std::sin(tilt);
     lines.active = Lines(grid, true);
     band.end = grid.nz;
-    if (scene.place) {
+    if (scene.site) {
         constants.dry = dry_share_of_cell * std::min(grid.dx, grid.dz);
         constants.films_rest = true;
         set_openings(*this, 0);
-        fill_place(*scene.place, grid, bed.height, openings.share, water.h);
-        place = make_place_water(*scene.place, grid, openings);
-        place->groups = groups_of(*place, openings);
+        fill_site(*scene.site, grid, bed.height, openings.share, water.h);
+        site = make_site_water(*scene.site, grid, openings);
+        site->groups = groups_of(*site, openings);
         lines.wet = WetMarks(grid);
         lines.before = Lines(grid, false);
         mark_always(*this);
@@ -185,28 +185,27 @@ ShallowWater::ShallowWater(const Scene& its_scene)
 }
 
 Passed exchange(ShallowWater& world, double dt) {
-    const PlaceCells cells{
-        world.grid,          world.bed,          world.openings, world.water, world.constants.gravity,
-        world.constants.dry, world.lines.active, &world.band};
-    return exchange(*world.place, cells, world.time, dt);
+    const SiteCells cells{world.grid,          world.bed,          world.openings, world.water, world.constants.gravity,
+                          world.constants.dry, world.lines.active, &world.band};
+    return exchange(*world.site, cells, world.time, dt);
 }
 
 void set_openings(ShallowWater& world, double time) {
     std::vector<MapLine> closed;
-    for (const Gate& gate : world.scene.place->gates) {
+    for (const Gate& gate : world.scene.site->gates) {
         if (gate.opens_at > time) closed.push_back(gate.line);
     }
-    world.openings = find_openings(world.grid, world.scene.place->houses, world.bed.ground, closed);
+    world.openings = find_openings(world.grid, world.scene.site->houses, world.bed.ground, closed);
     world.bed.height = world.bed.ground;
     std::replace_if(
         world.bed.height.begin(), world.bed.height.end(), [](double b) { return std::isnan(b); }, 0.0);
     level_groups(world.openings, world.bed.height);
     world.lines.open = open_lines(world.openings, world.grid);
     if (!world.bed.n_squared.empty()) {
-        world.bed.n_squared = squares_of_manning(world.scene.place->roughness, world.grid);
+        world.bed.n_squared = squares_of_manning(world.scene.site->roughness, world.grid);
         level_groups(world.openings, world.bed.n_squared);
     }
-    if (world.place) world.place->groups = groups_of(*world.place, world.openings);
+    if (world.site) world.site->groups = groups_of(*world.site, world.openings);
     find_shared(world);
 }
 
@@ -230,15 +229,15 @@ void update_active(ShallowWater& world) {
 void update_exchanged(ShallowWater& world) {
     Openings& openings = world.openings;
     share_groups(world, world.water.h, world.water.qx, world.water.qz);
-    for (const std::size_t g : world.place->groups) {
+    for (const std::size_t g : world.site->groups) {
         const Group& group = openings.groups[g];
         for (RowMemory* q : {&world.water.h, &world.water.qx, &world.water.qz}) level_group(openings, group, *q);
         for (std::size_t m = group.first; m < group.last; ++m) find_primitives(world, openings.members_of_groups[m], 1);
     }
-    for (const PlaceSource& source : world.place->sources) {
+    for (const SiteSource& source : world.site->sources) {
         for (const SourceCell& cell : source.cells) find_primitives(world, cell.cell, 1);
     }
-    for (const PlaceOutlet& outlet : world.place->outlets) {
+    for (const SiteOutlet& outlet : world.site->outlets) {
         for_each_cell_in(world.lines.active, outlet,
                          [&](const OutletCell& cell) { find_primitives(world, cell.cell, 1); });
     }
@@ -279,7 +278,7 @@ void find_active(ShallowWater& world) {
 }
 
 std::size_t active_cells(const ShallowWater& world) {
-    if (!world.place) return world.grid.cells();
+    if (!world.site) return world.grid.cells();
     std::size_t cells = 0;
     for (std::size_t k = 0; k < world.grid.nz; ++k) {
         world.lines.active.for_each_span(k, [&](std::size_t, std::size_t n) { cells += n; });
@@ -292,7 +291,7 @@ void update_primitive(ShallowWater& world) {
     world.openings.active_groups.resize(world.openings.groups.size());
     std::iota(world.openings.active_groups.begin(), world.openings.active_groups.end(), std::size_t{0});
     update_active(world);
-    if (world.place) find_active(world);
+    if (world.site) find_active(world);
 }
 
 }  // namespace wade::fluid::shallow_water

@@ -13,9 +13,9 @@
 #include "fluid_server/shallow_water/boundary.hpp"
 #include "fluid_server/shallow_water/face_flux.hpp"
 #include "fluid_server/shallow_water/grid.hpp"
-#include "fluid_server/shallow_water/place/openings.hpp"
-#include "fluid_server/shallow_water/place/place_water.hpp"
-#include "fluid_server/shallow_water/place/wet_lines.hpp"
+#include "fluid_server/shallow_water/site/openings.hpp"
+#include "fluid_server/shallow_water/site/site_water.hpp"
+#include "fluid_server/shallow_water/site/wet_lines.hpp"
 
 namespace wade::fluid::shallow_water {
 
@@ -57,8 +57,8 @@ struct ShallowWater {
     FluxConstants constants;
     double acceleration = 0;  // a, m/s^2
     WetLines lines;           // the cells that are worked on
-    Openings openings;        // between the walls of a place
-    std::optional<PlaceWater> place;
+    Openings openings;        // between the walls of a site
+    std::optional<SiteWater> site;
     Band band;  // the rows of this process
 
     // Of the step at hand; kept for their memory.
@@ -70,7 +70,7 @@ struct ShallowWater {
     std::vector<double> row_volume, row_momentum;  // by row: sums of h and of h u
     std::vector<double> row_inflow, row_outflow;   // by row: mass flux at x.hi and x.lo, m^2/s
     std::vector<RowMemory> buffers;                // by thread
-    std::vector<std::size_t> bands;    // of a place: first row by thread and the end; empty: equally many rows
+    std::vector<std::size_t> bands;    // of a site: first row by thread and the end; empty: equally many rows
     std::vector<WatchedFace> watched;  // see watch_faces(); usually none
     std::vector<GaugedCell> gauged;    // of a site
 };
@@ -89,13 +89,13 @@ void update_primitive(ShallowWater& world);
 void update_active(ShallowWater& world);
 void update_exchanged(ShallowWater& world);
 
-// Of a place: the cells to be worked on from now on, from the water in those that are now.
+// Of a site: the cells to be worked on from now on, from the water in those that are now.
 void find_active(ShallowWater& world);
 
 // How many cells a step works on.
 std::size_t active_cells(const ShallowWater& world);
 
-// Walls of a place as they are at a time, s, and the bed between them.
+// Walls of a site as they are at a time, s, and the bed between them.
 void set_openings(ShallowWater& world, double time);
 
 // Ghost cells of the world's rows, and the rows beside them that other ranks have.
@@ -118,7 +118,7 @@ void share_all(ShallowWater& world, std::span<const RowField> others = {});  // 
 void rebalance(ShallowWater& world, std::span<const RowField> others);
 void collect_frame(ShallowWater& world, std::span<const RowField> others);
 
-// What a place's sources, rain and outlets change over dt, s; of `water` alone.
+// What a site's sources, rain and outlets change over dt, s; of `water` alone.
 Passed exchange(ShallowWater& world, double dt);
 
 template <typename Depth, typename VelocityX, typename VelocityZ>

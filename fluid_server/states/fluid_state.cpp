@@ -92,39 +92,39 @@ void check_lines(const std::string& pointer, const MapLine& here, const MapLine&
 }
 
 void check_ground(const Ground& here, const Ground& there, const Comparison& compare) {
-    compare.same("/place/ground/level_m", here.level, there.level);
-    compare.same("/place/ground/slope_x", here.slope_x, there.slope_x);
-    compare.same("/place/ground/slope_z", here.slope_z, there.slope_z);
-    compare.same_number("/place/ground/points", here.points.size(), there.points.size());
+    compare.same("/site/ground/level_m", here.level, there.level);
+    compare.same("/site/ground/slope_x", here.slope_x, there.slope_x);
+    compare.same("/site/ground/slope_z", here.slope_z, there.slope_z);
+    compare.same_number("/site/ground/points", here.points.size(), there.points.size());
     for (std::size_t i = 0; i < here.points.size(); ++i) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            compare.same("/place/ground/points/" + std::to_string(i) + "/" + std::to_string(axis), here.points[i][axis],
+            compare.same("/site/ground/points/" + std::to_string(i) + "/" + std::to_string(axis), here.points[i][axis],
                          there.points[i][axis]);
         }
     }
     const std::vector<double> none;
     const std::vector<double>& of_here = here.raster ? here.raster->values : none;
     const std::vector<double>& of_there = there.raster ? there.raster->values : none;
-    compare.same_number("/place/ground/file", of_here.size(), of_there.size());
+    compare.same_number("/site/ground/file", of_here.size(), of_there.size());
     for (std::size_t i = 0; i < of_here.size(); ++i) {
         if (!std::isnan(of_here[i]) || !std::isnan(of_there[i]))
-            compare.same("/place/ground/file, value " + std::to_string(i), of_here[i], of_there[i]);
+            compare.same("/site/ground/file, value " + std::to_string(i), of_here[i], of_there[i]);
     }
 }
 
 // What confines the water; sources, outlets and friction may differ.
-void check_place(const Place& here, const Place& there, const Comparison& compare) {
+void check_site(const Site& here, const Site& there, const Comparison& compare) {
     check_ground(here.ground, there.ground, compare);
-    compare.same_number("/place/houses", here.houses.size(), there.houses.size());
+    compare.same_number("/site/houses", here.houses.size(), there.houses.size());
     for (std::size_t h = 0; h < here.houses.size(); ++h) {
-        const std::string pointer = "/place/houses/" + std::to_string(h) + "/polygon";
+        const std::string pointer = "/site/houses/" + std::to_string(h) + "/polygon";
         const std::vector<MapLine>&rings = here.houses[h].polygon.rings, &others = there.houses[h].polygon.rings;
         compare.same_number(pointer, rings.size(), others.size());
         for (std::size_t r = 0; r < rings.size(); ++r) check_lines(pointer, rings[r], others[r], compare);
     }
-    compare.same_number("/place/gates", here.gates.size(), there.gates.size());
+    compare.same_number("/site/gates", here.gates.size(), there.gates.size());
     for (std::size_t g = 0; g < here.gates.size(); ++g) {
-        const std::string pointer = "/place/gates/" + std::to_string(g);
+        const std::string pointer = "/site/gates/" + std::to_string(g);
         check_lines(pointer + "/line", here.gates[g].line, there.gates[g].line, compare);
         compare.same(pointer + "/opens_at_s", here.gates[g].opens_at, there.gates[g].opens_at);
     }
@@ -162,8 +162,8 @@ void check_state_fits(const FluidState& state, const Scene& scene, const std::st
     compare.same("/fluid/rest_density_kg_m3", scene.fluid->rest_density, state.scene.fluid->rest_density);
     check_channel(scene.channel, state.scene.channel, compare);
     check_obstacles(scene.obstacles, state.scene.obstacles, compare);
-    compare.same_number("/place", scene.place ? 1 : 0, state.scene.place ? 1 : 0);
-    if (scene.place) check_place(*scene.place, *state.scene.place, compare);
+    compare.same_number("/site", scene.site ? 1 : 0, state.scene.site ? 1 : 0);
+    if (scene.site) check_site(*scene.site, *state.scene.site, compare);
     check_room(state, scene, source);
 }
 

@@ -26,7 +26,7 @@ struct FluidState {
 void copy_particles(const Particles& from, Particles& to);
 
 // Throws ConfigurationError, beginning with `source`, unless water of the state can go on in this scene: the same
-// model, spacing, kernel, rest density, channel, emitter opening and obstacles, ground, houses and gates of a place, and
+// model, spacing, kernel, rest density, channel, emitter opening and obstacles, ground, houses and gates of a site, and
 // room for the particles and for the stock that must remain of max_particles. Everything else may differ: solver
 // settings, viscosity, duration, the crowd.
 void check_state_fits(const FluidState& state, const Scene& scene, const std::string& source);

@@ -107,11 +107,11 @@ void bench(const Size& size, const Kind& kind, const Options& options, std::vect
 
 // Streets of a town in a flood that has filled them, and the same ground without its houses. Here a cell-step is one wet cell
 // over one time step: what is done for dry cells, walls and what comes and goes is its cost.
-struct PlaceKind {
+struct SiteKind {
     const char* name;
     bool houses;
 };
-constexpr PlaceKind place_kinds[] = {{"shallow_water/place_houses", true}, {"shallow_water/place_open", false}};
+constexpr SiteKind site_kinds[] = {{"shallow_water/place_houses", true}, {"shallow_water/site_open", false}};
 constexpr double filled_after = 240;  // s of the flood
 
 std::size_t wet_cells(const swe::ShallowWater& world) {
@@ -125,9 +125,9 @@ std::size_t wet_cells(const swe::ShallowWater& world) {
     return wet;
 }
 
-void bench_place(const PlaceKind& kind, const Options& options, std::vector<Result>& results) {
-    Scene scene = bench::scene_of("../places/merewether/merewether.json");
-    if (!kind.houses) scene.place->houses.clear();
+void bench_site(const SiteKind& kind, const Options& options, std::vector<Result>& results) {
+    Scene scene = bench::scene_of("../sites/merewether/merewether.json");
+    if (!kind.houses) scene.site->houses.clear();
     swe::ShallowWater world(scene);
     const double begin = options.quick ? filled_after / 4 : filled_after;
     while (world.time < begin) swe::step(world, begin - world.time);
@@ -172,8 +172,8 @@ void run(const Options& options, std::vector<Result>& results) {
         if (!options.wanted(kind.name)) continue;
         for (const Size& size : sizes) bench(size, kind, options, results);
     }
-    for (const PlaceKind& kind : place_kinds) {
-        if (options.wanted(kind.name)) bench_place(kind, options, results);
+    for (const SiteKind& kind : site_kinds) {
+        if (options.wanted(kind.name)) bench_site(kind, options, results);
     }
 }
 

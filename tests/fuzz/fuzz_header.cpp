@@ -24,13 +24,13 @@ void demand(bool ok, const char* what) {
     std::abort();
 }
 
-struct Place {
+struct Position {
     Wide begin;
     Wide bytes;
 };
 
-void demand_inside_and_apart(const std::vector<Place>& places, Wide room) {
-    for (const Place& place : places) demand(place.begin + place.bytes <= room, "regions lie inside of their room");
+void demand_inside_and_apart(const std::vector<Position>& places, Wide room) {
+    for (const Position& place : places) demand(place.begin + place.bytes <= room, "regions lie inside of their room");
     for (std::size_t i = 0; i < places.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
             demand(places[i].begin + places[i].bytes <= places[j].begin ||
@@ -38,7 +38,7 @@ void demand_inside_and_apart(const std::vector<Place>& places, Wide room) {
                    "regions are apart");
 }
 
-void check_places(const SegmentMap& map) {
+void check_sites(const SegmentMap& map) {
     const StreamInfo& info = map.info;
     for (const std::uint64_t at : {map.control, map.doorbell, map.consumers, map.descriptors, map.slots})
         demand(at % page_bytes == 0, "regions begin at pages");
@@ -53,7 +53,7 @@ void check_places(const SegmentMap& map) {
                              {map.descriptors, Wide{map.descriptor_stride} * info.slots},
                              {map.slots, Wide{map.slot_stride} * info.slots}},
                             map.total_bytes);
-    std::vector<Place> arrays;
+    std::vector<Position> arrays;
     for (const std::uint64_t at : map.fields) {
         demand(at % line_bytes == 0, "arrays begin at cache lines");
         arrays.push_back({at, Wide{info.capacity} * sizeof(float)});
@@ -144,7 +144,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         demand(map.consumer_count >= 1 && map.consumer_count <= max_consumers, "1 to 16 consumers");
         demand(map.fields.size() == required_fields(map.info.kind).size(), "every required field has its place");
         check_info(map.info);
-        check_places(map);
+        check_sites(map);
         check_text(map.info.producer_name, name_bytes);
         touch(map);
         if ((data[0] & wade::fuzz::also_round_trip) != 0) check_round_trip(map.info);

@@ -139,7 +139,7 @@ class SiteFiles(unittest.TestCase):
         if kind == "series":
             place["outlets"] = [{"line": [[0, 0], [0, 18]], "kind": "stage", "stage_csv": name}]
         file = self.folder / "scene.json"
-        file.write_text(json.dumps({"duration_s": 10, "frame_rate_hz": 2, "place": place, "fluid": {"shallow_water": {"cell_size_m": 2}}}))
+        file.write_text(json.dumps({"duration_s": 10, "frame_rate_hz": 2, "site": place, "fluid": {"shallow_water": {"cell_size_m": 2}}}))
         return file
 
     def assert_cheap(self, usage, what):

@@ -38,7 +38,7 @@ ENDLESS = ["--until-s", "5000", "--set", "/stop_when_no_agent_is_active=false"]
 BASIN = {
     "description": "Water beside a slope with a house, which a source fills.", "duration_s": 4, "frame_rate_hz": 10,
     "world": {"length_m": 24, "width_m": 16},
-    "place": {"epsg": 32632, "origin_easting_m": 500000, "origin_northing_m": 5300000,
+    "site": {"epsg": 32632, "origin_easting_m": 500000, "origin_northing_m": 5300000,
               "ground": {"level_m": -0.5, "slope_z": 0.08}, "water": [{"level_m": 0}],
               "houses": [{"polygon": [[8, 2], [12, 2], [12, 5], [8, 5]]}],
               "sources": [{"polygon": [[0, 0], [6, 0], [6, 8], [0, 8]], "discharge_m3_s": 6}]},

@@ -35,7 +35,7 @@ TWO_WAY = ("--set", "/coupling/two_way=true")
 BLOCK = ("--set", '/obstacles=[{"x_min_m": 6, "x_max_m": 8, "z_min_m": 5, "z_max_m": 7, "height_m": 0.8}]')
 # Residents leave a house in water for a shelter on the slope, past a house at an angle.
 SITE = BASIN | {
-    "place": BASIN["place"] | {
+    "site": BASIN["site"] | {
         "manning": {"n": 0.03}, "water": [{"level_m": 0.1}],
         "houses": [{"polygon": [[8, 4], [11.5, 5], [10.5, 8.5], [7, 7.5]], "residents": 6, "doors": [[11, 6.75]]},
                    {"polygon": [[14, 2], [17, 1], [18, 4], [15, 5]]}],

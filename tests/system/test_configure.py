@@ -140,7 +140,7 @@ class Configure(unittest.TestCase):
         self.assertNotIn("Traceback", said)
         environment["PYTHONPATH"] = os.environ.get("PYTHONPATH", "")
         self.assertIn("skipped, spin", said_by(77, model, "--quick"))
-        for code, word, *command in ((2, "gdalinfo", "wade.place", "import", grid, "--out", self.folder / "place"),
+        for code, word, *command in ((2, "gdalinfo", "wade.site", "import", grid, "--out", self.folder / "site"),
                                      (2, "blender", "wade.pictures.render", run, "--time", "0"),
                                      (2, "ffmpeg", "wade.pictures.film", run),
                                      (2, "parallel", "wade.many", SMALL, "--engine", "parallel", "--out", self.folder / "many"),

@@ -259,8 +259,8 @@ class Ranks(Launcher):
         return program.run.outcome()["frame_hash"], program.run.bytes_of("agents.csv")
 
     def test_any_number_of_ranks_and_threads_gives_the_same_bits(self):
-        for scene, until in ((CONFIGS / "models" / "shallow_water_s05.json", "1"), (CONFIGS / "places" / "hamlet.json", "2"),
-                             (CONFIGS / "places" / "village" / "village.json", "2")):
+        for scene, until in ((CONFIGS / "models" / "shallow_water_s05.json", "1"), (CONFIGS / "sites" / "hamlet.json", "2"),
+                             (CONFIGS / "sites" / "village" / "village.json", "2")):
             alone = self.bits(0, scene, "--until-s", until, "--threads", "1")
             for ranks, threads in ((1, 1), (2, 1), (2, 2), (3, 1), (4, 1)):
                 with self.subTest(scene=scene.stem, ranks=ranks, threads=threads):

@@ -132,11 +132,11 @@ class Install(unittest.TestCase):
 
     def test_a_site_runs_with_its_rasters_and_tables(self):
         run = self.work / "site"
-        said = self.wade("run", "places/hamlet", "--until-s", "2", "--out", run)
+        said = self.wade("run", "sites/hamlet", "--until-s", "2", "--out", run)
         self.assertIn(f"picture: {run}/figure.png", said)
         self.assertIn(f"in the browser: wade view {run}", said)
         self.assertTrue((run / "maps" / "max_depth_m.tif").exists())
-        for scene in ("places/village/village", "merewether", "seaside"):
+        for scene in ("sites/village/village", "merewether", "seaside"):
             self.assertIn("valid", self.wade("run", scene, "--check"))
 
     def test_a_sensitivity_is_planned_run_and_told(self):

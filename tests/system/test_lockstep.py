@@ -23,15 +23,15 @@ GOLDEN = {
     ("models/mixed_obstacle", 2): "f5b2106023881dde",
     ("models/shallow_water_obstacle", 1): "d1f28d554359ede2",
     ("models/planes", 0.5): "7a4fcf89eae0c171",
-    ("places/hamlet", 4): "680b1f37e72969ad",
-    ("places/paper_village", 4): "6323d449db0094b3",
+    ("sites/hamlet", 4): "680b1f37e72969ad",
+    ("sites/paper_village", 4): "6323d449db0094b3",
     ("validation/cavity", 0.1): "846b0c049e35b842",
     ("validation/taylor_green", 0.1): "d8482a9addafa6f3",
 }
 # People push it, so that the crowd's bits are in the water's.
 PUSHED = ("models/measured", 1, "abed311c313cf3b5")
 # By particles, among houses from 10 s on.
-AMONG_HOUSES = ("places/paper_village", 13, "997119ffd6e7e39b")
+AMONG_HOUSES = ("sites/paper_village", 13, "997119ffd6e7e39b")
 BY_PARTICLES = ("--set", "/fluid/model=dfsph", "--set", "/fluid/particle_spacing_m=0.5")
 
 

@@ -71,7 +71,7 @@ class ClosedChannels(SystemTest):
 class Hamlet(SystemTest):
     """The shipped hamlet: people leave their houses for two shelters while the river rises."""
 
-    scene = ROOT / "configs" / "places" / "hamlet.json"
+    scene = ROOT / "configs" / "sites" / "hamlet.json"
 
     def test_everybody_is_somewhere_and_nobody_went_through_a_wall(self):
         run = self.pair("--until-s", "90", scene=self.scene)
@@ -83,7 +83,7 @@ class Hamlet(SystemTest):
         self.assertGreater(outcome["sheltered"], 10)
         self.assertGreater(outcome["indoors"], 5)
         self.assertGreater(outcome["upper_floor"], 0)
-        houses = [h["polygon"] for h in json.loads(run.bytes_of("manifest.json"))["resolved_scene"]["place"]["houses"]]
+        houses = [h["polygon"] for h in json.loads(run.bytes_of("manifest.json"))["resolved_scene"]["site"]["houses"]]
         for x, z in run.query("SELECT pos_x, pos_y FROM trajectory_data"):
             self.assertFalse(any(is_inside(house, x, z) for house in houses), (x, z))
 
@@ -98,7 +98,7 @@ class Hamlet(SystemTest):
             scene["coupling"] = {"agents_stream": "serial"}
             scene["crowd"]["navigation"] = {"rule": "straight"}
             scene["crowd"]["groups"] = [group, lives]
-            del scene["place"]["residents_csv"]
+            del scene["site"]["residents_csv"]
             scene["fluid"]["publish"] = publish
             file = self.folder / f"{publish}.json"
             file.write_text(json.dumps(scene))

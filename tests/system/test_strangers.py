@@ -32,7 +32,7 @@ FINE = {("half", ".bin"), ("half", "poses.csv"), ("half", "terms.csv"), ("half",
 RUN = ("--module", "wade.run.pair")  # nothing is built before it
 # A site with files for all that can be one, and people.
 SITE = BASIN | {
-    "duration_s": 3, "place": BASIN["place"] | {
+    "duration_s": 3, "site": BASIN["site"] | {
         "ground": {"file": "ground.asc"}, "houses": [{"file": "houses.geojson"}], "residents_csv": "residents.csv",
         "sources": [{"polygon": [[0, 0], [6, 0], [6, 8], [0, 8]], "hydrograph_csv": "discharge.csv"}],
         "shelters": [{"polygon": [[16, 12], [22, 12], [22, 15], [16, 15]]}]},

@@ -21,7 +21,7 @@ BOTH = {
 SCENES = {
     "channel": {**BOTH, "channel": {"x_min_m": 5, "x_max_m": 55, "z_min_m": 2, "z_max_m": 22, "flow": "emitter", "depth_m": 1,
                                     "velocity_m_s": 1, "initial_river": "filled"}},
-    "site": {**BOTH, "place": {"ground": {"level_m": 0}, "water": [{"level_m": 1}]}},
+    "site": {**BOTH, "site": {"ground": {"level_m": 0}, "water": [{"level_m": 1}]}},
 }
 
 POLYGON = [[24, 8], [28, 8], [28, 12], [24, 12]]
@@ -55,16 +55,16 @@ FEATURES = {
         **COMMON,
     },
     "site": {
-        "uneven ground": {"/place/ground/slope_x": 0.01},
-        "ground with gaps": {"/place/epsg": 0, "/place/ground": {"file": "gaps.asc"}},
-        "houses": {"/place/houses": [{"polygon": POLYGON}]},
-        "gates": {"/place/gates": [{"line": [[30, 0], [30, 24]], "opens_at_s": 0.5}]},
-        "sources": {"/place/sources": [{"line": [[50, 5], [50, 20]], "discharge_m3_s": 3}]},
-        "outlets: free": {"/place/outlets": [{"line": [[0, 4], [0, 20]]}]},
-        "outlets: stage": {"/place/outlets": [{"line": [[0, 4], [0, 20]], "kind": "stage", "level_m": 1}]},
-        "outlets: wave": {"/place/outlets": [{"line": [[0, 4], [0, 20]], "kind": "wave", "level_m": 1}]},
-        "rain": {"/place/rain": {"rate_mm_h": 50}},
-        "zones of Manning's n": {"/place/manning/zones": [{"polygon": POLYGON, "n": 0.05}]},
+        "uneven ground": {"/site/ground/slope_x": 0.01},
+        "ground with gaps": {"/site/epsg": 0, "/site/ground": {"file": "gaps.asc"}},
+        "houses": {"/site/houses": [{"polygon": POLYGON}]},
+        "gates": {"/site/gates": [{"line": [[30, 0], [30, 24]], "opens_at_s": 0.5}]},
+        "sources": {"/site/sources": [{"line": [[50, 5], [50, 20]], "discharge_m3_s": 3}]},
+        "outlets: free": {"/site/outlets": [{"line": [[0, 4], [0, 20]]}]},
+        "outlets: stage": {"/site/outlets": [{"line": [[0, 4], [0, 20]], "kind": "stage", "level_m": 1}]},
+        "outlets: wave": {"/site/outlets": [{"line": [[0, 4], [0, 20]], "kind": "wave", "level_m": 1}]},
+        "rain": {"/site/rain": {"rate_mm_h": 50}},
+        "zones of Manning's n": {"/site/manning/zones": [{"polygon": POLYGON, "n": 0.05}]},
         "periodic": {"/world/ends": "periodic"},
         **COMMON,
     },

@@ -29,14 +29,14 @@ from wade.paths import CONFIGS
 
 SERVER = PROGRAMS / "wade_view_server"
 PAGE_TEST = Path(__file__).resolve().parent / "view_page.mjs"
-HAMLET = CONFIGS / "places" / "hamlet.json"
+HAMLET = CONFIGS / "sites" / "hamlet.json"
 # People who walk round a world without ends.
 ROUND = [*ENDLESS, "--set", "/world/ends=periodic", "--set", "/crowd/groups/0/goal/x_m=100000", "--set", "/crowd/groups/0/goal/z_m=6"]
 COLOURS_TEST = PAGE_TEST.with_name("view_colours.mjs")
 # Particles in a river, cells in a channel, both, a prescribed flow, two sites with rasters: the scene, its options, its end, s.
 COLOURED = (("river/s05", (), 2), ("models/shallow_water_s05", (), 4), ("models/mixed_s05", (), 2),
             ("river/s05", ("--set", "/fluid/model=kinematic"), 2),
-            ("places/village/village", ("--set", "/place/gates/0/opens_at_s=4"), 8), ("places/merewether/merewether", (), 60))
+            ("sites/village/village", ("--set", "/site/gates/0/opens_at_s=4"), 8), ("sites/merewether/merewether", (), 60))
 KEPT = ["--set", "/crowd/poses/rate_hz=10"]  # both programs
 CUT = ["--until-s", "7.97"]  # between two rows of the poses
 TERMS = ["--terms-every-s", "0.1", "--water-every-s", "0.5"]  # the crowd
@@ -260,7 +260,7 @@ class Folders(ViewTest):
         (folder / "poses.csv").write_text("\n".join([head, *rows, ""]))
         program = self.view("--run", folder)
         description = json.loads(self.fetch(program, "/run.json"))
-        place = description["place"]
+        place = description["site"]
         self.assertEqual([house["rings"] for house in place["houses"]], [[[[8, 2], [12, 2], [12, 5], [8, 5]]]])
         self.assertEqual((place["houses"][0]["height"], len(place["sources"]), place["highest_water"]), (6, 1, 0))
         client = self.connect(program)
@@ -280,10 +280,10 @@ class Folders(ViewTest):
         folder = self.folder / "run"
         folder.mkdir()
         (folder / "outcome.json").write_text("{}")
-        place = BASIN["place"] | {"ground": {"file": str(self.folder / "gone.asc")}}
-        (folder / "manifest.json").write_text(json.dumps({"resolved_scene": BASIN | {"place": place}}))
+        place = BASIN["site"] | {"ground": {"file": str(self.folder / "gone.asc")}}
+        (folder / "manifest.json").write_text(json.dumps({"resolved_scene": BASIN | {"site": place}}))
         described = json.loads(self.fetch(self.view("--run", folder), "/run.json"))
-        self.assertIn("gone.asc", described["place"]["problem"])
+        self.assertIn("gone.asc", described["site"]["problem"])
 
     def test_runs_without_paths_are_told_so(self):
         water, crowd = self.server(*KEPT, *CUT), self.client(*KEPT, *CUT, "--no-trajectories")
@@ -648,12 +648,12 @@ class Page(ViewTest):
         three = view.modules_folder() / "node_modules" / "three"
         run, scene = self.kept_run(), self.folder / "basin.json"
         scene.write_text(json.dumps(BASIN))
-        place = [f"{word}" for word in (scene, "--session", f"{self.session}-place", "--out", self.folder / "place")]
+        place = [f"{word}" for word in (scene, "--session", f"{self.session}-place", "--out", self.folder / "site")]
         water = self.start(WATER, *place)
         self.assert_ended_well(water, self.start(CLIENT, *place, "--water-every-s", "1"))
         options = argparse.Namespace(eye=(2, 2, -6), look=(12, 0, 5), colour="depth", width_px=320, height_px=180, panels=False,
                                      rate_hz=5)
-        for folder, times in ((run.folder, [1.0, 2.0, 3.0]), (self.folder / "place", [1.0, 2.0, 4.0])):
+        for folder, times in ((run.folder, [1.0, 2.0, 3.0]), (self.folder / "site", [1.0, 2.0, 4.0])):
             address = self.view('--run', folder, three=three).address
             for name in ("film.webp", "still.png"):
                 film.write_seen(address, times, options, self.folder / name)

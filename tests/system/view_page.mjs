@@ -97,7 +97,7 @@ function walking(seen, file, period, what) {
 // Returns the people, goals and corners of shelters of the first view that a panel covers.
 const covered = (page, goals) => page.evaluate((goals) => {
   const { show } = wade, canvas = document.querySelector('#view canvas'), height = (x, z) => show.ground?.at(x, z) ?? 0;
-  const places = [...goals, ...(show.run.place?.shelters ?? []).flatMap((s) => s.rings.flat()), ...show.people.shown.map((p) => [p.x, p.z])];
+  const places = [...goals, ...(show.run.site?.shelters ?? []).flatMap((s) => s.rings.flat()), ...show.people.shown.map((p) => [p.x, p.z])];
   return places.map(([x, z]) => wade.project(x, height(x, z), z)).filter(([x, y]) => document.elementFromPoint(x, y) !== canvas).length;
 }, goals);
 
@@ -172,7 +172,7 @@ try {
   await page.fill('#time', '3');
   await page.waitForFunction(() => Math.abs(wade.at().time - 3) < 0.02 && Math.abs(wade.at().water - 3) <= 0.5, null, patient);
   await page.waitForFunction(() => wade.at().people === 6, null, patient);
-  const [x, y] = await page.evaluate(() => wade.placeOf(wade.show.people.shown[2].id));
+  const [x, y] = await page.evaluate(() => wade.siteOf(wade.show.people.shown[2].id));
   await page.mouse.click(x, y);
   await page.waitForSelector('#who.open');
   await page.waitForFunction(() => /Eq. 9/.test(document.querySelector('#who').textContent), null, patient);

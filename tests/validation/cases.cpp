@@ -79,13 +79,13 @@ const std::vector<Case>& all_cases() {
         turned_dam_break_case(),
         turned_block_case(),
         turned_street_case(),
-        place_bowl_case(),
-        place_lake_case(),
-        place_street_case(),
-        place_long_channels_case(),
-        place_hydrograph_case(),
-        place_merewether_case(),
-        place_seaside_case(),
+        site_bowl_case(),
+        site_lake_case(),
+        site_street_case(),
+        site_long_channels_case(),
+        site_hydrograph_case(),
+        site_merewether_case(),
+        site_seaside_case(),
     };
     return cases;
 }

@@ -81,12 +81,12 @@ Case turned_bumps_case();
 Case turned_dam_break_case();
 Case turned_block_case();
 Case turned_street_case();
-Case place_bowl_case();
-Case place_lake_case();
-Case place_street_case();
-Case place_long_channels_case();
-Case place_hydrograph_case();
-Case place_merewether_case();
-Case place_seaside_case();
+Case site_bowl_case();
+Case site_lake_case();
+Case site_street_case();
+Case site_long_channels_case();
+Case site_hydrograph_case();
+Case site_merewether_case();
+Case site_seaside_case();
 
 }  // namespace wade::validation

@@ -1,4 +1,4 @@
-// Measured floods among houses: Merewether and Seaside, as configs/places ships them.
+// Measured floods among houses: Merewether and Seaside, as configs/sites ships them.
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ const std::vector<Stage> merewether_stages{{382373.51, 6354387.84, 23.01, true},
                                            {382339.42, 6354297.84, 23.36, false}};
 
 Result run_merewether(const Request& request) {
-    const Scene scene = flood(request, "places/merewether/merewether.json");
+    const Scene scene = flood(request, "sites/merewether/merewether.json");
     ShallowWater world(scene);
     Result result;
     result.model = "shallow_water";
@@ -70,7 +70,7 @@ Result run_merewether(const Request& request) {
         std::vector<double> found;
         for (const Stage& stage : merewether_stages) {
             const std::size_t c =
-                cell_at(world, stage.easting - scene.place->origin_x, stage.northing - scene.place->origin_z);
+                cell_at(world, stage.easting - scene.site->origin_x, stage.northing - scene.site->origin_z);
             found.push_back(world.water.h[c] + world.bed.height[c]);
         }
         return found;
@@ -157,7 +157,7 @@ constexpr Band bands[] = {
     {"b1", 0.65, 0.90, 0.25}, {"b4", 0.75, 1.25, 0.25}, {"b6", 0.75, 1.25, 0.25}, {"b9", 0.30, 1.00, 0.40}};
 
 Result run_seaside(const Request& request) {
-    const Scene scene = flood(request, "places/seaside/seaside.json");
+    const Scene scene = flood(request, "sites/seaside/seaside.json");
     ShallowWater world(scene);
     std::vector<Gauge> gauges = seaside_gauges;
     Result result;
@@ -205,8 +205,8 @@ Result run_seaside(const Request& request) {
 
 }  // namespace
 
-Case place_merewether_case() {
-    return {.name = "place_merewether",
+Case site_merewether_case() {
+    return {.name = "site_merewether",
             .truth =
                 "Stages of the flood of 2007 at Merewether, Newcastle, at five places, as a benchmark of Australian "
                 "Rainfall "
@@ -218,8 +218,8 @@ Case place_merewether_case() {
             .run = run_merewether};
 }
 
-Case place_seaside_case() {
-    return {.name = "place_seaside",
+Case site_seaside_case() {
+    return {.name = "site_seaside",
             .truth =
                 "Peaks of depth, speed and momentum flux in the streets of a town model of 1:50 under a tsunami (Park "
                 "et al., "

@@ -12,9 +12,9 @@
 #include "cases.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/world.hpp"
-#include "fluid_server/particles/place/place_solids.hpp"
-#include "place_scenes.hpp"
+#include "fluid_server/particles/site/site_solids.hpp"
 #include "run.hpp"
+#include "site_scenes.hpp"
 
 namespace wade::validation {
 
@@ -37,29 +37,29 @@ struct Tank {
 Scene scene_of(const Tank& tank, double degrees, double spacing) {
     // Its middle on a node of the lattice, so that the straight twin's walls lie between particles.
     const double side = 2 * spacing * std::ceil((0.5 * std::hypot(tank.length, tank.width) + 0.5) / spacing);
-    Scene scene = empty_place(side, side, spacing);
+    Scene scene = empty_site(side, side, spacing);
     const Turn turn(side / 2, side / 2, degrees);
     const double a = tank.length / 2, b = tank.width / 2;
     MapPolygon walls = turn.box(-a, a, -b, b);
     walls.rings.push_back({{-1, -1}, {side + 1, -1}, {side + 1, side + 1}, {-1, side + 1}});
-    scene.place->houses = {house_of(walls)};
+    scene.site->houses = {house_of(walls)};
     for (const MapLine& corners : tank.houses) {
         MapLine ring;
         for (const MapPoint& p : corners) ring.push_back(turn(p.x, p.z));
-        scene.place->houses.push_back(house_of({{ring}}));
+        scene.site->houses.push_back(house_of({{ring}}));
     }
     const double slope_x = tank.slope * turn.cosine, slope_z = tank.slope * turn.sine;
     const MapPoint lowest = turn(-a, 0);
-    scene.place->ground.slope_x = slope_x, scene.place->ground.slope_z = slope_z;
-    scene.place->ground.level = -slope_x * lowest.x - slope_z * lowest.z;
+    scene.site->ground.slope_x = slope_x, scene.site->ground.slope_z = slope_z;
+    scene.site->ground.level = -slope_x * lowest.x - slope_z * lowest.z;
     if (tank.ground) {
-        scene.place->ground.raster = raster_of(side, side, spacing / 2, [&](double x, double z) {
+        scene.site->ground.raster = raster_of(side, side, spacing / 2, [&](double x, double z) {
             const MapPoint p = turn.back(x, z);
             return tank.ground(p.x, p.z);
         });
     }
-    scene.place->water = {{{}, tank.level}};
-    if (tank.filled < tank.length) scene.place->water[0].polygon = turn.box(-a - 1, -a + tank.filled, -b - 1, b + 1);
+    scene.site->water = {{{}, tank.level}};
+    if (tank.filled < tank.length) scene.site->water[0].polygon = turn.box(-a - 1, -a + tank.filled, -b - 1, b + 1);
     scene.fluid = Fluid();
     scene.fluid->model = ModelKind::dfsph;
     scene.fluid->particle_spacing = spacing;
@@ -174,7 +174,7 @@ Measures measure(const Tank& tank, double degrees, bool along, const Request& re
     m.contact /= time * weight;
     m.surface_drop = std::abs(tank.level - 2 * height / counted);
     m.compression = cost.max_density_error;
-    for (std::size_t i = 0; i < p.count; ++i) m.lost += world.place()->is_water({p.x[i], p.y[i], p.z[i]}) ? 0 : 1;
+    for (std::size_t i = 0; i < p.count; ++i) m.lost += world.site()->is_water({p.x[i], p.y[i], p.z[i]}) ? 0 : 1;
     m.lost += static_cast<double>(world.position_clamps());
     m.centre = along_tank(p, turn, front);
     m.way = m.centre - began;

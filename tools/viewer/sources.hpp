@@ -1,7 +1,7 @@
 #pragma once
 // Where water and people of the page come from: a session that runs, as one more free-running reader (water.cpp), a recording
 // (water.cpp), or a run folder, while the run goes on, at its end, or after it was killed (run_folder.cpp). And the place that
-// it happens in (place.cpp).
+// it happens in (site.cpp).
 
 #include <atomic>
 #include <cstdint>
@@ -159,10 +159,10 @@ class FrameTable {
     std::vector<StateChange> changes_;
 };
 
-// What stands in a place: outlines of houses, shelters, gates, sources and outlets, m, as JSON.
-[[nodiscard]] std::string place_json(const Place& place);
+// What stands in a site: outlines of houses, shelters, gates, sources and outlets, m, as JSON.
+[[nodiscard]] std::string site_json(const Site& site);
 
-// The ground of a place at points of a square grid whose first one is the scene's origin; NaN outside.
+// The ground of a site at points of a square grid whose first one is the scene's origin; NaN outside.
 [[nodiscard]] Message ground_of(const Scene& scene);
 
 class RunFolder {

@@ -253,26 +253,26 @@ class Show {
         if (folder_)
             for (const char* name : {"manifest.json", "outcome.json", "agents.csv"})
                 d["files"][name] = folder_->text_of(name);
-        if (place_.is_null()) read_place(d);
-        if (!place_.is_null()) d["place"] = place_;
+        if (site_.is_null()) read_site(d);
+        if (!site_.is_null()) d["site"] = site_;
         return d;
     }
 
     // The place of the scene, from the files that it names, which may be gone by now: then the page says so.
-    void read_place(const Json& d) {
+    void read_site(const Json& d) {
         const auto in_text = [](const Json& text) {
             return text.is_string() ? parsed(text.get<std::string>()) : Json();
         };
         const Json scene = in_text(d["scene"]), manifest = in_text(d["files"]["manifest.json"]);
         const Json& known = scene.is_object() ? scene : manifest["resolved_scene"];
-        if (!known.contains("place")) return;
+        if (!known.contains("site")) return;
         try {
             const Scene read = load_scene_text(text_of(known), "manifest.json").scene;
-            if (!read.place) return;
-            place_ = Json::parse(place_json(*read.place));
+            if (!read.site) return;
+            site_ = Json::parse(site_json(*read.site));
             ground_ = ground_of(read);
         } catch (const std::exception& error) {
-            place_ = Json{{"problem", error.what()}};
+            site_ = Json{{"problem", error.what()}};
         }
     }
 
@@ -281,7 +281,7 @@ class Show {
     std::optional<RunFolder> folder_;
     std::optional<RecordedWater> recorded_;
     std::optional<LiveStream> live_, walkers_;
-    Json place_;
+    Json site_;
     Message ground_;
     bool has_more_ = true;
     unsigned ticks_ = 0;
@@ -307,7 +307,7 @@ int main(int argc, char** argv) {
             throw ConfigurationError("nothing to show; give --run, --recording or --session.");
         catch_signals();
         Show show(o);
-        Site site;
+        Pages site;
         site.file = [&](const std::string& path) { return show.file(path); };
         site.understand = [](const std::string& text) { return Show::understand(text); };
         site.answer = [&](const Question& question) { return show.answer(question); };

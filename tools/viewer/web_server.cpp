@@ -157,7 +157,7 @@ class Peer;
 using Peers = std::set<std::shared_ptr<Peer>>;
 
 struct Server {
-    Server(std::uint16_t wanted, const Site& pages) : acceptor(context), site(pages) {
+    Server(std::uint16_t wanted, const Pages& pages) : acceptor(context), site(pages) {
         const Tcp::endpoint place(asio::ip::address_v4::loopback(), wanted);
         Error error;
         acceptor.open(place.protocol(), error);
@@ -176,7 +176,7 @@ struct Server {
 
     asio::io_context context{1};
     Acceptor acceptor;
-    const Site& site;
+    const Pages& site;
     std::uint16_t port = 0;
     const std::string key = random_key();
     Peers connections, clients;  // of HTTP and of the WebSocket
@@ -536,7 +536,7 @@ bool Server::tick() {
 
 }  // namespace
 
-void serve(std::uint16_t port, const Site& site, const std::function<void(const std::string& address)>& opened) {
+void serve(std::uint16_t port, const Pages& site, const std::function<void(const std::string& address)>& opened) {
     Server server(port, site);
     opened("http://127.0.0.1:" + std::to_string(server.port) + "/?key=" + server.key);
     server.accept();

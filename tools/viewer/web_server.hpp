@@ -78,7 +78,7 @@ struct Answer {
     Message bytes;
 };
 
-struct Site {
+struct Pages {
     std::function<std::optional<WebFile>(const std::string& path)> file;         // none: 404
     std::function<std::optional<Question>(const std::string& text)> understand;  // none: the client is told so
     std::function<std::optional<Answer>(const Question&)> answer;                // none: not yet
@@ -88,6 +88,6 @@ struct Site {
 
 // Serves until work() says false. `opened` gets the address of the page with its key, once the port listens; port 0: any that is free.
 // Errors: ConfigurationError if the port cannot be had.
-void serve(std::uint16_t port, const Site& site, const std::function<void(const std::string& address)>& opened);
+void serve(std::uint16_t port, const Pages& site, const std::function<void(const std::string& address)>& opened);
 
 }  // namespace wade::view

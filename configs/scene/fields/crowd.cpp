@@ -13,8 +13,8 @@ namespace wade {
 namespace {
 
 // Where keys of a site act, and those of a channel.
-const Acting beside_place{"beside /place", [](const Scene& scene) { return scene.place.has_value(); }, true};
-const Acting on_channel{"on a channel, not beside /place", [](const Scene& scene) { return !scene.place; }, true};
+const Acting beside_site{"beside /site", [](const Scene& scene) { return scene.site.has_value(); }, true};
+const Acting on_channel{"on a channel, not beside /site", [](const Scene& scene) { return !scene.site; }, true};
 
 // Whether people of a group answer the water by their bodies; of the crowd, whether some do.
 bool answers_by_body(const Scene& scene, const AgentGroup* group) {
@@ -42,17 +42,17 @@ Acting by_body(const AgentGroup* group) {
 }
 Acting with_bodies(const AgentGroup* group) {
     return {
-        "with /crowd/response \"measured\" and no tau of the group, beside /place, with /crowd/poses or for people "
+        "with /crowd/response \"measured\" and no tau of the group, beside /site, with /crowd/poses or for people "
         "below 20 years",
         [group](const Scene& scene) {
-            return answers_by_body(scene, group) || scene.place || scene.crowd->pose_rate > 0 ||
+            return answers_by_body(scene, group) || scene.site || scene.crowd->pose_rate > 0 ||
                    has_children(scene, group);
         }};
 }
 // The height, in addition, of people that the water knows of.
 Acting with_heights(const AgentGroup* group) {
     return {
-        "with /crowd/response \"measured\" and no tau of the group, beside /place, with /crowd/poses, "
+        "with /crowd/response \"measured\" and no tau of the group, beside /site, with /crowd/poses, "
         "/coupling/agents_stream or for people below 20 years",
         [group](const Scene& scene) {
             return with_bodies(group).here(scene) || scene.coupling->agents_stream != AgentsStream::off;
@@ -90,7 +90,7 @@ void fields(NavigationSettings& navigation, Fields& f) {
              "wants there, looked for once a second, with cells small enough for each gap that a person fits through; "
              "straight, without any cost, where none does. With crowding always travel_time.");
     f.number("cell_m", navigation.cell, "m", from(0.1).to(10),
-             "Largest cell of the field; where a place has no cell_m, as large as a million cells of it are. Gaps "
+             "Largest cell of the field; where a site has no cell_m, as large as a million cells of it are. Gaps "
              "between obstacles must be a cell plus 2 body_radius_m (1.44 with bodies) "
              "wide to be found "
              "for certain; auto takes smaller cells for narrower gaps, down to 0.1 m.");
@@ -100,14 +100,14 @@ void fields(NavigationSettings& navigation, Fields& f) {
                  "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: "
                  "not at all. 1: as measured crowds are slowed.");
     });
-    f.acts_only({"beside /place or with /crowd/navigation/crowding above 0",
-                 [&](const Scene& scene) { return scene.place || navigation.crowding > 0; }},
+    f.acts_only({"beside /site or with /crowd/navigation/crowding above 0",
+                 [&](const Scene& scene) { return scene.site || navigation.crowding > 0; }},
                 [&] {
                     f.number("every_s", navigation.every, "s", from(0).to(1e6),
-                             "Time after which the fields are solved again for where people are, and in a place for "
+                             "Time after which the fields are solved again for where people are, and in a site for "
                              "the water; 0: once, for the start.");
                 });
-    f.acts_only(beside_place, [&] {
+    f.acts_only(beside_site, [&] {
         f.choice("slope", navigation.slope,
                  "level: slopes change no speed. tobler: people walk at exp(-3.5 |S + 0.05|) / exp(-0.175) times "
                  "their speed, S the rise of the ground along their way (Tobler 1993).");
@@ -351,7 +351,7 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
                     f.object("leaves", group.leaving,
                              "When people indoors come out of their door. A table's leaves_at stands over it.");
                 });
-    f.acts_only(beside_place, [&] {
+    f.acts_only(beside_site, [&] {
         f.flag("warned", group.warned,
                "Whether they know where the water is however far away it is, or only once they see it before them.");
     });

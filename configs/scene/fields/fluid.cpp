@@ -74,7 +74,7 @@ void fields(MixedWindow& mixed, Fields& f) {
 void fields(Fluid& fluid, Fields& f) {
     const Acting as_particles{
         "on a channel, or with another /fluid/model than \"shallow_water\"",
-        [&](const Scene& scene) { return !scene.place || fluid.model != ModelKind::shallow_water; }};
+        [&](const Scene& scene) { return !scene.site || fluid.model != ModelKind::shallow_water; }};
     f.choice(
         "model", fluid.model,
         "dfsph: divergence-free smoothed particle hydrodynamics in 3-D (Bender and Koschier 2015). kinematic: a stream "
@@ -110,7 +110,7 @@ void fields(Fluid& fluid, Fields& f) {
         });
     f.choice(
         "publish", fluid.publish,
-        "On a place, which columns of shallow_water a frame holds. all: each wet cell. near_agents: those within 10 m "
+        "On a site, which columns of shallow_water a frame holds. all: each wet cell. near_agents: those within 10 m "
         "and more "
         "of somebody outdoors, as /coupling/agents_stream says where they are; ways then know no other water, and maps "
         "of the crowd have no other.");

@@ -21,7 +21,7 @@ void fields(NoSlip& wall, Fields& f);
 void fields(VelocityPoint& point, Fields& f);
 void fields(WaterBlock& block, Fields& f);
 
-void fields(PlaceKeys& place, Fields& f);
+void fields(SiteKeys& site, Fields& f);
 void fields(GroundKeys& ground, Fields& f);
 void fields(HouseKeys& house, Fields& f);
 void fields(ZoneKeys& zone, Fields& f);

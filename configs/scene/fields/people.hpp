@@ -1,5 +1,5 @@
 #pragma once
-// People as a scene describes them, in groups, in tables, and in the houses of a place.
+// People as a scene describes them, in groups, in tables, and in the houses of a site.
 
 #include <cstddef>
 #include <optional>
@@ -46,7 +46,7 @@ struct PersonRow {
     std::vector<TauPoint> tau_history;
 };
 
-// Somebody of a place's table of residents.
+// Somebody of a site's table of residents.
 struct Resident {
     std::string id;                   // as the table has it
     std::size_t line = 0;             // of the table

@@ -1,5 +1,5 @@
 #pragma once
-// Which group those who live in a place belong to.
+// Which group those who live in a site belong to.
 
 #include <algorithm>
 #include <cstddef>
@@ -19,22 +19,22 @@ namespace wade {
 // Calls visit(resident) for each of the table who is in the group, which starts in houses.
 template <typename Visit>
 void for_each_resident(const Scene& scene, std::size_t group, Visit&& visit) {
-    if (!scene.place || !scene.place->residents) return;
+    if (!scene.site || !scene.site->residents) return;
     const bool is_first = first_group_in_houses(scene.crowd) == group;
-    for (const Resident& row : *scene.place->residents) {
+    for (const Resident& row : *scene.site->residents) {
         if (row.group.empty() ? is_first : row.group == scene.crowd->groups[group].name) visit(row);
     }
 }
 
 // Groups that start in houses have as many people as live there: of the table, and the first as many as the houses say.
 inline void count_lodgers(Scene& scene) {
-    for (std::size_t g = 0; scene.place && g < scene.crowd->groups.size(); ++g) {
+    for (std::size_t g = 0; scene.site && g < scene.crowd->groups.size(); ++g) {
         AgentGroup& group = scene.crowd->groups[g];
         if (group.starts != StartRule::houses) continue;
         group.count = 0;
         for_each_resident(scene, g, [&](const Resident&) { ++group.count; });
         if (g != first_group_in_houses(scene.crowd)) continue;
-        for (const House& house : scene.place->houses) group.count += house.residents;
+        for (const House& house : scene.site->houses) group.count += house.residents;
     }
 }
 

@@ -52,13 +52,13 @@ void fields(Scene& scene, Fields& f) {
             "never its results.");
     f.object("world", scene.world, "The walkable ground, [0, length_m] x [0, width_m].");
     f.object_or_none(
-        "place", scene.place_keys,
-        "A real place instead of the channel: ground of any shape, houses, sources, outlets. x runs east, z "
+        "site", scene.site_keys,
+        "A real site instead of the channel: ground of any shape, houses, sources, outlets. x runs east, z "
         "north. Its water is that of the model shallow_water, the default there, or of dfsph.");
     f.object(
         "channel", scene.channel,
         "The channel that confines the water: bed y = 0, ends at x_min_m and x_max_m, banks at z_min_m and z_max_m.",
-        required_unless("place"));
+        required_unless("site"));
     f.list("obstacles", scene.obstacles, "Solid boxes that stand on the bed, for the water and for the crowd.");
     f.object("fluid", scene.fluid, "The water and how it is solved.");
     f.object(

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/standing.hpp"
 
@@ -72,7 +72,7 @@ void add_row(std::string& rows, const CrowdWorld& crowd, std::uint32_t id, std::
         add_number(rows, v);
     }
     add_hands(rows, hands, id);
-    if (crowd.scene.place) add_number(rows, ground_height(crowd.scene.place->ground, {place.x(), place.y()}));
+    if (crowd.scene.site) add_number(rows, ground_height(crowd.scene.site->ground, {place.x(), place.y()}));
     rows += '\n';
 }
 
@@ -130,11 +130,11 @@ void RagdollFile::write(std::uint64_t frame, std::span<const Ragdoll> ragdolls, 
     if (!rows_.empty()) file_.append(rows_);
 }
 
-PoseFile::PoseFile(const std::filesystem::path& file, bool in_a_place) : file_(file) {
+PoseFile::PoseFile(const std::filesystem::path& file, bool in_a_site) : file_(file) {
     file_.append(
         std::string("frame,time_s,id,x_m,z_m,state,posture,heading_rad,speed_m_s,gait_phase,step_length_m,hip_height_m,"
                     "lean_x_rad,lean_z_rad,rate_x_rad_s,rate_y_rad_s,rate_z_rad_s,holds") +
-        (in_a_place ? ",ground_m\n" : "\n"));
+        (in_a_site ? ",ground_m\n" : "\n"));
 }
 
 void PoseFile::write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t after) {

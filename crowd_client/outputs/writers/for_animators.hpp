@@ -52,8 +52,8 @@ class Ragdolls final : public OutputWriter {
 // which takes 87 bytes a row instead of some 200.
 class PoseFile {
  public:
-    // Empties it; in a place its rows end with the height of the ground. Throws OutputError.
-    PoseFile(const std::filesystem::path& file, bool in_a_place);
+    // Empties it; in a site its rows end with the height of the ground. Throws OutputError.
+    PoseFile(const std::filesystem::path& file, bool in_a_site);
 
     // Appends the frame of the crowd as it is, with who has ended in a step after `after`. Throws OutputError.
     void write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t after);
@@ -66,7 +66,7 @@ class PoseFile {
 class Poses final : public OutputWriter {
  public:
     explicit Poses(const OutputPlace& place)
-        : file_(place.folder / "poses.csv", place.crowd.scene.place.has_value()),
+        : file_(place.folder / "poses.csv", place.crowd.scene.site.has_value()),
           steps_per_frame_(steps_per_frame_at(place.crowd.scene.crowd->step_rate, place.crowd.scene.crowd->pose_rate)) {
         write(place.crowd);
     }

@@ -150,7 +150,7 @@ std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, con
     json["arrived"] = crowd.arrived;
     json["dead"] = crowd.dead;
     json["active"] = crowd.active.size();
-    if (crowd.scene.place) {
+    if (crowd.scene.site) {
         json["sheltered"] = crowd.sheltered;
         json["indoors"] = crowd.indoors.inside;
         json["upper_floor"] = crowd.indoors.upstairs;

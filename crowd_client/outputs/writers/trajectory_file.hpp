@@ -83,7 +83,7 @@ class TrajectoryFile {
 };
 
 // World rectangle with the obstacles as holes, in well-known text. A hole may touch neither the edge nor another hole
-// there, so an obstacle that does is drawn 1 mm smaller on each side. On a place the world less its houses, which may touch and
+// there, so an obstacle that does is drawn 1 mm smaller on each side. On a site the world less its houses, which may touch and
 // overlap; of what they cut off from the rest, as courtyards, nothing.
 [[nodiscard]] std::string walkable_area_wkt(const Scene& scene);
 

@@ -11,7 +11,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/interval.hpp"
 #include "configs/scene/obstacle.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/outputs/writers/trajectory_file.hpp"
 #include "crowd_client/results/output_file.hpp"
@@ -129,7 +129,7 @@ std::string ring(const Geos& geos, const GEOSGeometry* line) {
 
 // Returns the largest part of the world without the houses.
 std::string streets_wkt(const World& world, const std::vector<House>& houses) {
-    const std::string subject = "/place/houses";
+    const std::string subject = "/site/houses";
     const Geos geos;
     const Geometry ground =
         geos.own(GEOSGeom_createRectangle_r(geos.context, 0, 0, world.length, world.width), subject);
@@ -153,7 +153,7 @@ std::string streets_wkt(const World& world, const std::vector<House>& houses) {
 std::string walkable_area_wkt(const Scene& scene) {
     constexpr double inset = 1e-3;  // m
     const World& world = scene.world;
-    if (scene.place && !scene.place->houses.empty()) return streets_wkt(world, scene.place->houses);
+    if (scene.site && !scene.site->houses.empty()) return streets_wkt(world, scene.site->houses);
     std::string wkt = "POLYGON (" + ring({0, world.length}, {0, world.width});
     for (const Obstacle& o : scene.obstacles) {
         Interval x{std::max(o.x.lo, 0.0), std::min(o.x.hi, world.length)};

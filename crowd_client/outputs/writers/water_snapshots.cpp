@@ -27,10 +27,10 @@ void put(std::string& bytes, T value) {
 }
 
 bool has_columns(const Scene& scene) {
-    return scene.place && scene.fluid->model == ModelKind::shallow_water;
+    return scene.site && scene.fluid->model == ModelKind::shallow_water;
 }
 
-// Half a metre shows single particles of the paper's scenes, in a place the water's own cells show its columns; at most about a
+// Half a metre shows single particles of the paper's scenes, in a site the water's own cells show its columns; at most about a
 // million cells a snapshot.
 double cell_size(const Scene& scene) {
     const double area = scene.channel->x.length() * scene.channel->z.length();
@@ -73,7 +73,7 @@ void WaterSnapshots::write(std::uint64_t step, double time, const WaterView& wat
     const bool of_one_cell = has_columns_ && !(water.column.x() > 0);
     for (std::size_t i = 0; i < water.size(); ++i) {
         const double mass = static_cast<double>(water.mass[i]);
-        // A column of a place without a width is as wide as its cell, whatever its volume.
+        // A column of a site without a width is as wide as its cell, whatever its volume.
         footprints.deal(water.origin_x + water.scale_x * static_cast<double>(water.px[i]),
                         water.origin_z + water.scale_z * static_cast<double>(water.pz[i]), mass,
                         [&](std::size_t cell, double share, std::size_t own) {

@@ -33,7 +33,7 @@ class WaterSnapshots {
     AppendFile file_;
     GroundCells grid_;
     double rest_density_;
-    bool has_columns_;  // the water of a place
+    bool has_columns_;  // the water of a site
     std::vector<double> mass_;
     std::string record_;
 };

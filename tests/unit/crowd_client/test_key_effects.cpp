@@ -35,7 +35,7 @@ const std::string channel = R"({"frame_rate_hz": 10, "duration_s": 60, "world": 
     "fluid": {"particle_spacing_m": 0.4}, "crowd": {)";
 
 const std::string site = R"({"frame_rate_hz": 10, "duration_s": 60, "world": {"length_m": 40, "width_m": 20},
-    "place": {"ground": {"level_m": 0, "slope_z": 0.05},
+    "site": {"ground": {"level_m": 0, "slope_z": 0.05},
               "houses": [{"polygon": [[20, 14], [28, 14], [28, 19], [20, 19]], "residents": 8, "upper_floor_m": 3}],
               "shelters": [{"name": "school", "polygon": [[1, 14], [5, 14], [5, 19], [1, 19]]}]},
     "crowd": {"navigation": {"enters_up_to_m": 2}, "groups": [

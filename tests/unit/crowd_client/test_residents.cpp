@@ -34,18 +34,18 @@ AgentGroup lodgers() {
 // One house with `residents` in it, a shelter 20 m away.
 Scene one_house(int residents) {
     Scene scene = dry_scene(60, 40);
-    scene.place.emplace();
-    House& house = scene.place->houses.emplace_back();
+    scene.site.emplace();
+    House& house = scene.site->houses.emplace_back();
     house.polygon = box(10, 20, 10, 20);
     house.residents = residents;
-    scene.place->shelters = {{"hall", box(45, 55, 10, 20), 0}};
+    scene.site->shelters = {{"hall", box(45, 55, 10, 20), 0}};
     scene.crowd->groups = {lodgers()};
     return scene;
 }
 
 TEST_CASE("Residents are indoors until their time, leave by their door, and come to a shelter") {
     Scene scene = one_house(5);
-    scene.place->houses[0].doors = {{20, 15}};
+    scene.site->houses[0].doors = {{20, 15}};
     scene.crowd->groups[0].leaving.after = 2;
     CrowdWorld crowd = make_crowd(scene);
     CHECK(crowd.agents.size() == 5);
@@ -65,7 +65,7 @@ TEST_CASE("Residents are indoors until their time, leave by their door, and come
 
 TEST_CASE("Some stay, some go upstairs, and each draw is the agent's own") {
     Scene scene = one_house(2000);
-    scene.place->houses[0].upper_floor = 3;
+    scene.site->houses[0].upper_floor = 3;
     Leaving& leaving = scene.crowd->groups[0].leaving;
     leaving.stay_share = 0.25;
     leaving.upper_floor_share = 0.5;
@@ -107,7 +107,7 @@ TEST_CASE("People of a table who stand in a house are indoors, others out") {
     table[0].person.height = 1.2;
     table[1].x = 30;
     table[1].z = 30;
-    scene.place->residents = std::make_shared<const std::vector<Resident>>(table);
+    scene.site->residents = std::make_shared<const std::vector<Resident>>(table);
     CrowdWorld crowd = make_crowd(scene);
     CHECK(crowd.agents.outcome[0] == Outcome::indoors);
     CHECK(crowd.agents.people.height[0] == 1.2);
@@ -124,7 +124,7 @@ TEST_CASE("Bodies that come out of a house never overlap, and nobody of them is 
         step(crowd, {});
         for (const std::uint32_t a : crowd.active) {
             const Vector2d& p = crowd.agents.position[a];
-            REQUIRE_FALSE(contains(scene.place->houses[0].polygon, {p.x(), p.y()}));
+            REQUIRE_FALSE(contains(scene.site->houses[0].polygon, {p.x(), p.y()}));
             for (const std::uint32_t b : crowd.active) {
                 const double apart = (crowd.agents.position[b] - p).norm();
                 if (b > a) REQUIRE(apart >= crowd.agents.body.radius[a] + crowd.agents.body.radius[b]);
@@ -136,7 +136,7 @@ TEST_CASE("Bodies that come out of a house never overlap, and nobody of them is 
 
 TEST_CASE("People behind deep water are counted, and the deepest water at their door is kept") {
     Scene scene = one_house(3);
-    scene.place->houses[0].doors = {{20, 15}};
+    scene.site->houses[0].doors = {{20, 15}};
     scene.crowd->groups[0].leaving.after = 1e6;
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater deep = uniform_water(20, 30, 0, 40, 1.25, 0.25, 0, 0);
@@ -158,19 +158,19 @@ TEST_CASE("People behind deep water are counted, and the deepest water at their 
 
 TEST_CASE("A door into a wall is refused by its house") {
     Scene scene = one_house(1);
-    scene.place->houses[0].name = "mill";
-    scene.place->houses[0].doors = {{20, 15}};
-    scene.place->houses.emplace_back().polygon = box(20.1, 25, 10, 20);
+    scene.site->houses[0].name = "mill";
+    scene.site->houses[0].doors = {{20, 15}};
+    scene.site->houses.emplace_back().polygon = box(20.1, 25, 10, 20);
     CHECK_THROWS_WITH(make_crowd(scene),
-                      Catch::Contains("/place/houses/0 (\"mill\"): the door at (20, 15) m opens into"));
-    scene.place->houses[0].doors = {{15, 15}};
+                      Catch::Contains("/site/houses/0 (\"mill\"): the door at (20, 15) m opens into"));
+    scene.site->houses[0].doors = {{15, 15}};
     CHECK_THROWS_WITH(make_crowd(scene), Catch::Contains("is 5 m from the walls"));
 }
 
 TEST_CASE("Fewer than three cells across the houses are told of with the cells that are enough") {
     const auto told = [](double cell, double wide, int residents) {
         Scene scene = one_house(residents);
-        scene.place->houses[0].polygon = box(10, 10 + wide, 10, 28);
+        scene.site->houses[0].polygon = box(10, 10 + wide, 10, 28);
         scene.fluid->model = ModelKind::shallow_water;
         scene.fluid->shallow_water.cell_size = cell;
         std::string text;
@@ -191,9 +191,9 @@ TEST_CASE("A hundred thousand residents are made, and who is indoors costs no st
     scene.channel->x = scene.channel->z = {0, 1000};
     scene.crowd->markers = MarkerRule::redrawn;
     scene.crowd->navigation.cell = 5;
-    scene.place->houses.clear();
+    scene.site->houses.clear();
     for (int k = 0; k < 1000; ++k) {
-        House& house = scene.place->houses.emplace_back();
+        House& house = scene.site->houses.emplace_back();
         const double x = 20 + 30 * (k % 32), z = 20 + 30 * (k / 32);
         house.polygon = box(x, x + 10, z, z + 10);
         house.residents = 100;
@@ -206,7 +206,7 @@ TEST_CASE("A hundred thousand residents are made, and who is indoors costs no st
     CHECK(crowd.positions.capacity() < 100);
 }
 
-// Somebody who floats off in 2 m of water, 30 m from the western edge of a place.
+// Somebody who floats off in 2 m of water, 30 m from the western edge of a site.
 Scene swept(bool with_outlet) {
     Scene scene = one_house(0);
     scene.fluid->shallow_water.cell_size = 1;
@@ -215,7 +215,7 @@ Scene swept(bool with_outlet) {
     group.starts = StartRule::grid;
     group.tau.reset();
     group.start_x = group.start_z = 30;
-    if (with_outlet) scene.place->outlets = {{"brook", OutletKind::free, {}, {{0, 0}, {0, 40}}, {}}};
+    if (with_outlet) scene.site->outlets = {{"brook", OutletKind::free, {}, {{0, 0}, {0, 40}}, {}}};
     return scene;
 }
 

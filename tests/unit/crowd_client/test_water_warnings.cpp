@@ -104,9 +104,9 @@ TEST_CASE("Remedies for people of `measured` hold in other waters than the shipp
          {measured, kinematic, "/fluid/kinematic/arrangement=lattice", "/fluid/kinematic/jitter=0.8"}},
         {"paper/s05.json", {measured}},
         {"models/mixed_s05.json", {measured}},
-        {"places/hamlet.json", {"/fluid/model=dfsph", "/fluid/particle_spacing_m=1"}},
-        {"places/hamlet.json", {"/fluid/shallow_water/cell_size_m=8"}},
-        {"places/village/village.json", {"/fluid/shallow_water/cell_size_m=9"}},
+        {"sites/hamlet.json", {"/fluid/model=dfsph", "/fluid/particle_spacing_m=1"}},
+        {"sites/hamlet.json", {"/fluid/shallow_water/cell_size_m=8"}},
+        {"sites/village/village.json", {"/fluid/shallow_water/cell_size_m=9"}},
     };
     for (const Water& water : waters) {
         INFO(water.file << " " << water.assignments.back());

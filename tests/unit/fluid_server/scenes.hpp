@@ -12,7 +12,7 @@
 #include "configs/scene/scene_capacity.hpp"
 #include "configs/scene/world.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
-#include "fluid_server/particles/place/place_solids.hpp"
+#include "fluid_server/particles/site/site_solids.hpp"
 
 namespace wade::fluid::test {
 
@@ -51,8 +51,8 @@ inline Scene emitter_channel(double velocity, double gravity, int capacity) {
     return scene;
 }
 
-// A tank on a place, whose walls are those of a house with a courtyard, so that they have any angle.
-struct PlaceTank {
+// A tank on a site, whose walls are those of a house with a courtyard, so that they have any angle.
+struct SiteTank {
     double length = 1.2, width = 1.2;
     double turned = 0;   // degrees in plan
     double corner = 90;  // degrees between its sides
@@ -76,28 +76,28 @@ inline House house_of(std::vector<MapLine> rings) {
 }
 
 // The tank with water up to `level` over level ground at 0.
-inline Scene place_scene(const PlaceTank& tank, double level, double spacing) {
+inline Scene site_scene(const SiteTank& tank, double level, double spacing) {
     Scene scene;
     scene.world->length = scene.world->width = tank.side;
     scene.channel->x = scene.channel->z = {0, tank.side};
     scene.channel->flow = Flow::closed;
     scene.channel->initial_river = InitialRiver::dry;
     scene.fluid = fluid_of(spacing, 30000);
-    Place place;
+    Site site;
     const double l = tank.length / 2, w = tank.width / 2, far = tank.side + 1;
-    place.houses = {house_of({{{-1, -1}, {far, -1}, {far, far}, {-1, far}}, tank.box(-l, -w, l, w)})};
-    if (level > 0) place.water = {{{}, level}};
-    scene.place = place;
+    site.houses = {house_of({{{-1, -1}, {far, -1}, {far, far}, {-1, far}}, tank.box(-l, -w, l, w)})};
+    if (level > 0) site.water = {{{}, level}};
+    scene.site = site;
     return scene;
 }
 
-inline PlaceSolids solids_of(const Scene& scene) {
-    return {place_shape(scene), static_cast<float>(support_radius_of(scene.fluid)),
+inline SiteSolids solids_of(const Scene& scene) {
+    return {site_shape(scene), static_cast<float>(support_radius_of(scene.fluid)),
             static_cast<float>(scene.fluid->particle_spacing)};
 }
 
 // Calls body(watcher, j, view, its turned view or null, share of 65535) for whom each particle sees, in the order of the lists: all of
-// what is near where no sight is asked. SolidsOf: Solids or PlaceSolids.
+// what is near where no sight is asked. SolidsOf: Solids or SiteSolids.
 template <typename SolidsOf, typename Body>
 void for_each_seen(const CellGrid& grid, const SolidsOf& solids, const Particles& p, float h, Body&& body) {
     NeighbourLists lists(p.capacity());

@@ -37,7 +37,7 @@ COMMANDS = {
                 old_names=("run-many",)),
         Command("run-one", "one run of a plan of `many`, for any engine", "wade.ensembles.one"),
         Command("scenes", "list the scenes by their short names", "wade.scenes"),
-        Command("place", "import: terrain and houses of a real place (needs GDAL)", "wade.place", pictures=True),
+        Command("site", "import: terrain and houses of a real site (needs GDAL)", "wade.site", pictures=True),
     ),
     "Look at a run": (
         Command("view", "a run in the browser, while it goes on or later", "wade.view",
@@ -45,7 +45,7 @@ COMMANDS = {
         Command("figure", "top view of a run: water, paths, goals, outcome", "wade.pictures.figure", pictures=True),
         Command("danger-map", "danger levels of the water, and whom they met", "wade.pictures.danger_map",
                 pictures=True),
-        Command("maps", "maps of a place: depth, speed, arrival, danger", "wade.pictures.place_maps", pictures=True),
+        Command("maps", "maps of a site: depth, speed, arrival, danger", "wade.pictures.site_maps", pictures=True),
         Command("film", "a film of a run, from above or of the viewer (needs ffmpeg)", "wade.pictures.film", pictures=True),
         Command("render", "a moment of a run with light and water (needs Blender)", "wade.pictures.render", pictures=True),
         Command("export", "people and water as VTK, PLY, OBJ, USD, glTF, GeoTIFF, CSV, PedPy", "wade.export", pictures=True),

@@ -5,7 +5,7 @@ import { OrbitControls } from 'three/orbit';
 import { GROUP_COLOURS, castShadows, fit, goalsOf, inner, lightUp, lookDown, makeGround, makeSky, place } from './ground.js';
 import { $, Symbols, Traces, cycle, fillHelp, makeRing, rowOf, showCounts, showLegend, showTable } from './panel.js';
 import { People } from './people.js';
-import { Ground, makePlace } from './place.js';
+import { Ground, makeSite } from './site.js';
 import { Stream, advance, asPeople, buffer, countStates, endedBy, faster, follow, groundAt, groupOf, heightOf, isLive, lacksGround, lastTime, readAgents, rowsOf, seek, setPlaying, show, showTexts, stateShown, tableOf, takeTaus, wanted } from './run.js';
 import { Water, boundsOf } from './water.js';
 
@@ -108,7 +108,7 @@ function build() {
   if (lacksGround()) return void stream.ask('ground');
   if (show.world || !show.scene) return theme(show.dark);
   const scene = show.scene;
-  show.world = show.ground ? makePlace(scene, show.run.place, show.ground) : makeGround(scene);
+  show.world = show.ground ? makeSite(scene, show.run.site, show.ground) : makeGround(scene);
   stage.add(show.world);
   makeWater(null);
   makePeople();
@@ -127,7 +127,7 @@ function makeWater(message) {
   if (show.water) return;
   const bounds = show.scene ? null : boundsOf(message);
   if (bounds) frameCamera(bounds.x_max_m, bounds.z_max_m);
-  show.water = new Water(stage, show.scene, bounds, show.ground, show.ground ? show.run.place.gates : []);
+  show.water = new Water(stage, show.scene, bounds, show.ground, show.ground ? show.run.site.gates : []);
   theme(show.dark);
   setWater();
 }
@@ -148,7 +148,7 @@ function frameCamera(length, width) {
   const centreOf = (rings) => rings.flat();
   show.corners = [[0, 0], [length, 0], [0, width], [length, width], [length / 2, 0], [length / 2, width]].concat(
     show.scene ? goalsOf(show.scene).filter((g) => show.scene.world.ends !== 'periodic' || (g.x >= 0 && g.x <= length)).map((g) => [g.x, g.z]) : [],
-    (show.run?.place?.shelters ?? []).flatMap(({ rings }) => centreOf(rings)),
+    (show.run?.site?.shelters ?? []).flatMap(({ rings }) => centreOf(rings)),
   ).flatMap(([x, z]) => [0, 2].map((y) => place(x, groundAt(x, z) + y, z)));
   const eye = wanted.get('eye')?.split(',').map(Number); // x, y, z of the eye, then of what it looks at
   if (eye?.length === 6 && eye.every(Number.isFinite)) {

@@ -2,7 +2,7 @@
 
 import * as THREE from 'three';
 import { hasFall } from './ground.js';
-import { Grid } from './place.js';
+import { Grid } from './site.js';
 
 // Cividis and a blue scale: both rise in lightness all the way, for the colour-blind and for print.
 const SCALES = {
@@ -115,7 +115,7 @@ const POINT_FRAGMENT = `
   }`;
 
 export class Water {
-  /** ground: of a place, else null; gates: with their lines and the times at which they open, s. */
+  /** ground: of a site, else null; gates: with their lines and the times at which they open, s. */
   constructor(parent, scene, bounds, ground, gates = []) {
     this.scene = scene;
     this.ground = ground;
@@ -387,7 +387,7 @@ export class Water {
   }
 
   /**
-   * Heights of the surface; returns the depths that are drawn. Where it is dry beside water in a place the sheet goes on level below
+   * Heights of the surface; returns the depths that are drawn. Where it is dry beside water in a site the sheet goes on level below
    * the ground, which hides its end, but not past a gate. The part of the wet cells' triangles there is drawn: thinner and thinner
    * where the water is clear, else in the colour of the wet cells.
    */

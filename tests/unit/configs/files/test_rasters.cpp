@@ -9,7 +9,7 @@
 #include "configs/files/geotiff.hpp"
 #include "configs/files/raster_file.hpp"
 #include "configs/numbers/splitmix.hpp"
-#include "configs/scene/place.hpp"
+#include "configs/scene/site.hpp"
 #include "scene_texts.hpp"
 
 namespace wade::raster_test {
@@ -77,7 +77,7 @@ TEST_CASE("what is wrong with an ESRI ASCII grid is named") {
     CHECK_THAT(with("5.5", "5,5"), Contains("row 2 from the top, column 2 is \"5,5\""));
     CHECK_THAT(with("+6e0", ""), Contains("cut short"));
     CHECK_THAT(with("+6e0", "6 7"), Contains("more than the 6 values"));
-    CHECK_THAT(with("cellsize 2", "dx 2"), Contains("wade place import"));
+    CHECK_THAT(with("cellsize 2", "dx 2"), Contains("wade site import"));
     CHECK_THAT(with("cellsize 2", "cellsize -2"), Contains("cellsize is -2"));
     CHECK_THAT(with("ncols 3", "ncols 2.5"), Contains("ncols is 2.5"));
     CHECK_THAT(with("ncols 3", "ncols 900000000"), Contains("allowed: up to 100000000"));

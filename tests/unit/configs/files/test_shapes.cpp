@@ -76,7 +76,7 @@ TEST_CASE("what is wrong with a GeoJSON is named with its feature and a remedy")
     CHECK_THAT(refusal_of_shapes(polygon_of("[1e3, 0], [1e3, \"1\"], [2e3, 0]")), Contains("is no point"));
     CHECK_THAT(refusal_of_shapes(R"({"type": "MultiPoint", "coordinates": [[1, 2]]})"), Contains("allowed: Polygon"));
     CHECK_THAT(refusal_of_shapes(polygon_of("[151.71234567, -32.9], [151.72, -32.9], [151.72, -32.8]")),
-               Contains("look like degrees") && Contains("wade place import"));
+               Contains("look like degrees") && Contains("wade site import"));
     CHECK(wade::parse_geojson(polygon_of("[1.71234567, 2], [3, 4], [5, 7]"), "flume.geojson", true).features.size() ==
           1);
     const std::string crs = R"(, "crs": {"type": "name", "properties": {"name": ")";

@@ -133,7 +133,7 @@ TEST_CASE("scale, offset and unit of GDAL are refused with the importer as the r
         return "<Item name=\"X\" sample=\"0\" role=\"" + role + "\">" + value + "</Item>";
     };
     CHECK_THAT(refusal_of_metadata(item("scale", "0.01")),
-               Contains("sets scale to \"0.01\"") && Contains("tools/wade place import FILE --out DIR"));
+               Contains("sets scale to \"0.01\"") && Contains("tools/wade site import FILE --out DIR"));
     CHECK_THAT(refusal_of_metadata(item("offset", "100")), Contains("sets offset to \"100\""));
     CHECK_THAT(refusal_of_metadata(item("unittype", "ft")), Contains("sets unittype to \"ft\""));
     CHECK_THAT(refusal_of_metadata("<Item role = 'SCALE' sample='0'>1e-2</Item>"), Contains("scale"));
@@ -152,7 +152,7 @@ TEST_CASE("an internal mask is refused, an overview is not") {
 }
 
 TEST_CASE("rows from south to north, turned rows, heights that tags scale, and places without cells are refused") {
-    CHECK_THAT(refusal_with(33550, doubles({2, -2, 0})), Contains("south up") && Contains("place import"));
+    CHECK_THAT(refusal_with(33550, doubles({2, -2, 0})), Contains("south up") && Contains("site import"));
     Tags matrix = plain();
     matrix.erase(33550);
     matrix.erase(33922);
@@ -177,7 +177,7 @@ TEST_CASE("systems in feet, spelled, vertical or of the world are refused, besid
         CHECK(wade::fault_of_system(metres).empty());
     }
     for (const int other : {4326, 4978, 5773, 5555, 3857, 6933, 2053, 1, 32600}) {
-        CHECK_THAT(wade::fault_of_system(other), Contains("place import"));
+        CHECK_THAT(wade::fault_of_system(other), Contains("site import"));
     }
     CHECK_THAT(refusal_of_keys({{1024, 1}, {1025, 1}, {3072, 2263}}), Contains("EPSG:2263 is no projected system"));
     CHECK_THAT(refusal_of_keys({{1024, 1}, {3072, 32632}, {3076, 9003}}), Contains("unit of length is number 9003"));
@@ -247,7 +247,7 @@ TEST_CASE("a strip or tile without bytes holds no data, and is refused where no 
                 tags[tiled ? 325 : 279] = longs({length});
                 CHECK_THAT(refusal_of_tiff(tiff_of({tags}, heights)),
                            Contains(tiled ? "tile 0 has no bytes" : "strip 0 has no bytes") &&
-                               Contains("tools/wade place import"));
+                               Contains("tools/wade site import"));
                 tags[42113] = words("-9999");
                 CHECK(std::isnan(wade::read_geotiff(tiff_of({tags}, heights), "a.tif").raster.at(2, 1)));
             }

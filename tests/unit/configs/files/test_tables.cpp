@@ -51,7 +51,7 @@ std::string refusal_of_site(const std::string& keys, const std::string& file, co
     const test::TemporaryFolder folder;
     folder.write(file, text);
     const auto scene = folder.write(
-        "scene.json", R"({"world": {"length_m": 20, "width_m": 10}, "place": {"epsg": 32756, "origin_easting_m": 500100,
+        "scene.json", R"({"world": {"length_m": 20, "width_m": 10}, "site": {"epsg": 32756, "origin_easting_m": 500100,
                 "origin_northing_m": 6000200, )" +
                           ground + ", " + keys + "}}");
     return refusal_by([&] { return load_scene(scene); });
@@ -159,7 +159,7 @@ TEST_CASE("properties have the types and limits of their keys") {
     CHECK(refusal_of_house(R"({"residents": 3.0, "height_m": 12.5, "upper_floor_m": null, "other": [true]})").empty());
     for (const std::string other : {"height", "Height", "building:levels", "LEVELS"})
         CHECK_THAT(refusal_of_house(R"({")" + other + R"(": "39'"})"),
-                   Contains("and no height_m") && Contains("place import"));
+                   Contains("and no height_m") && Contains("site import"));
     CHECK_THAT(refusal_of_house(R"({"building": "no"})"), Contains("it has \"building\""));
     CHECK(refusal_of_house(R"({"height": "39'", "height_m": 11.9})").empty());
     const auto of = [](const std::string& keys, const std::string& properties) {
@@ -207,7 +207,7 @@ TEST_CASE("systems of GeoJSON are read or refused in all their spellings") {
     CHECK_THAT(refusal_of_site(R"("houses": [{"file": "h.geojson"}])", "h.geojson",
                                map_of("Polygon", "[" + square(500102, 6000202, 4) + "]", "{}",
                                       ", " + named("http://www.opengis.net/def/crs/EPSG/0/2056"))),
-               Contains("it is in EPSG:2056, and the place is in EPSG:32756"));
+               Contains("it is in EPSG:2056, and the site is in EPSG:32756"));
 }
 
 TEST_CASE("keys that stand twice, holes outside, parts on one another and too many values are refused") {
@@ -237,33 +237,32 @@ TEST_CASE("one MultiPolygon is one house: its residents count once") {
                                          square(500108, 6000202, 2) + "]]",
                                      R"({"residents": 10})"));
     const auto scene = folder.write(
-        "scene.json", R"({"world": {"length_m": 20, "width_m": 10}, "place": {"epsg": 32756, "origin_easting_m": 500100,
+        "scene.json", R"({"world": {"length_m": 20, "width_m": 10}, "site": {"epsg": 32756, "origin_easting_m": 500100,
                 "origin_northing_m": 6000200, "ground": {"level_m": 10}, "houses": [{"file": "h.geojson"}]}})");
     const wade::Scene loaded = wade::load_scene(scene).scene;
-    REQUIRE(loaded.place->houses.size() == 1);
-    CHECK((loaded.place->houses[0].residents == 10 && loaded.place->houses[0].polygon.rings.size() == 3));
+    REQUIRE(loaded.site->houses.size() == 1);
+    CHECK((loaded.site->houses[0].residents == 10 && loaded.site->houses[0].polygon.rings.size() == 3));
 }
 
 TEST_CASE("shapes with a corner far off are refused before any work is done on them, as are houses that stand twice") {
     const std::string far = "[[2, 2], [6, 2], [999000, 8]]";
     const auto refused = [](const std::string& keys) { return refusal_of_site(keys, "n", ""); };
     CHECK_THAT(refused(R"("houses": [{"polygon": )" + far + "}]"),
-               Contains("/place/houses/0: its corner at x 999000 m"));
-    CHECK_THAT(refused(R"("outlets": [{"polygon": )" + far + "}]"), Contains("/place/outlets/0: its corner"));
-    CHECK_THAT(refused(R"("outlets": [{"line": )" + far + "}]"), Contains("/place/outlets/0: its corner"));
-    CHECK_THAT(refused(R"("gates": [{"line": )" + far + "}]"), Contains("/place/gates/0: its corner"));
-    CHECK_THAT(refused(R"("shelters": [{"polygon": )" + far + "}]"), Contains("/place/shelters/0: its corner"));
-    CHECK_THAT(refused(R"("water": [{"level_m": 11, "polygon": )" + far + "}]"),
-               Contains("/place/water/0: its corner"));
+               Contains("/site/houses/0: its corner at x 999000 m"));
+    CHECK_THAT(refused(R"("outlets": [{"polygon": )" + far + "}]"), Contains("/site/outlets/0: its corner"));
+    CHECK_THAT(refused(R"("outlets": [{"line": )" + far + "}]"), Contains("/site/outlets/0: its corner"));
+    CHECK_THAT(refused(R"("gates": [{"line": )" + far + "}]"), Contains("/site/gates/0: its corner"));
+    CHECK_THAT(refused(R"("shelters": [{"polygon": )" + far + "}]"), Contains("/site/shelters/0: its corner"));
+    CHECK_THAT(refused(R"("water": [{"level_m": 11, "polygon": )" + far + "}]"), Contains("/site/water/0: its corner"));
     CHECK_THAT(refused(R"("sources": [{"discharge_m3_s": 1, "line": )" + far + "}]"),
-               Contains("/place/sources/0: its corner"));
+               Contains("/site/sources/0: its corner"));
     CHECK_THAT(refused(R"("manning": {"zones": [{"polygon": )" + far + "}]}"),
-               Contains("/place/manning/zones/0: its corner"));
+               Contains("/site/manning/zones/0: its corner"));
     const std::string lake = "[[-5000, -3000], [9000, -3000], [9000, 3000], [-5000, 3000]]";
     CHECK(refused(R"("water": [{"level_m": 11, "polygon": )" + lake + "}]").empty());
     const std::string hut = R"({"polygon": [[2, 2], [6, 2], [6, 6], [2, 6]], "residents": 3})";
     CHECK_THAT(refused(R"("houses": [)" + hut + "," + hut + "]"),
-               Contains("/place/houses/1: it is the same house as /place/houses/0"));
+               Contains("/site/houses/1: it is the same house as /site/houses/0"));
     const std::string turned = R"({"polygon": [[6, 6], [2, 6], [2, 2], [6.01, 2]], "residents": 3})";
     CHECK_THAT(refused(R"("houses": [)" + hut + "," + turned + "]"), Contains("the same house"));
 }
@@ -288,7 +287,7 @@ TEST_CASE("more people outdoors than bodies find room in the world are refused b
         }
         folder.write("r.csv", rows);
         const auto scene =
-            folder.write("scene.json", R"({"world": {"length_m": 20, "width_m": 10}, "place": {"epsg": 32756,
+            folder.write("scene.json", R"({"world": {"length_m": 20, "width_m": 10}, "site": {"epsg": 32756,
             "origin_easting_m": 500100, "origin_northing_m": 6000200, "ground": {"level_m": 10}, "residents_csv": "r.csv",
             "shelters": [{"polygon": [[2, 2], [6, 2], [6, 6]]}]}, "crowd": {"bodies": ")" +
                                            bodies + R"(",
@@ -296,7 +295,7 @@ TEST_CASE("more people outdoors than bodies find room in the world are refused b
         return refusal_by([&] { return wade::load_scene(scene); });
     };
     CHECK_THAT(refused(1000, "human"),
-               Contains("/place/residents_csv: 1000 people are outdoors; allowed: <= 994, as bodies "
+               Contains("/site/residents_csv: 1000 people are outdoors; allowed: <= 994, as bodies "
                         "of radius 0.25 m (/crowd/body_radius_m) fill the world"));
     CHECK(refused(990, "human").empty());
     CHECK(refused(1000, "none").empty());

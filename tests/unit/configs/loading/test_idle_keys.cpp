@@ -22,7 +22,7 @@ Warnings warnings(const std::vector<std::string>& assignments) {
 TEST_CASE("keys of a site are refused on a channel, with their value and where they act") {
     const auto refused = [](const std::string& change) { return refusal(two_groups, {change}); };
     CHECK_THAT(refused("/crowd/navigation/slope=tobler"),
-               Equals("scene.json: /crowd/navigation/slope: \"tobler\" has no effect, as it acts only beside /place; "
+               Equals("scene.json: /crowd/navigation/slope: \"tobler\" has no effect, as it acts only beside /site; "
                       "allowed: \"level\"."));
     CHECK_THAT(refused("/crowd/navigation/sight_m=5"),
                Contains("sight_m: 5 has no effect") && Contains("allowed: 20."));

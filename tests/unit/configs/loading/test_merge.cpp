@@ -94,7 +94,7 @@ TEST_CASE("a missing parent is refused with both names") {
 TEST_CASE("a short name stands for one scene of the folder of scenes") {
     const TemporaryFolder folder;
     for (const char* name :
-         {"paper/a.json", "river/a.json", "river/b.json", "lake/c.json", "river/c.json", "places/town/d.json"}) {
+         {"paper/a.json", "river/a.json", "river/b.json", "lake/c.json", "river/c.json", "sites/town/d.json"}) {
         folder.write(name, "{}");
     }
     const auto found = [&](const std::string& name) {
@@ -105,7 +105,7 @@ TEST_CASE("a short name stands for one scene of the folder of scenes") {
     CHECK(found("river/a.json") == "river/a.json");
     CHECK(found("a") == "paper/a.json");  // of several that of the paper
     CHECK(found("b") == "river/b.json");
-    CHECK(found("town/d") == "places/town/d.json");
+    CHECK(found("town/d") == "sites/town/d.json");
     for (const char* unknown : {"c", "e", "r/b", "", "..", "../b", "/river/b", "river/../river/b"})
         CHECK(found(unknown).empty());
 }

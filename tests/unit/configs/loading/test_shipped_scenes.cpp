@@ -63,7 +63,7 @@ TEST_CASE("every shipped scene with a channel states its Froude number") {
     for (const auto& file : shipped_scenes()) {
         INFO(file);
         const Scene scene = wade::load_scene(file).scene;
-        if (!scene.place) CHECK_THAT(scene.description, Catch::Matchers::Contains("Froude number"));
+        if (!scene.site) CHECK_THAT(scene.description, Catch::Matchers::Contains("Froude number"));
     }
 }
 

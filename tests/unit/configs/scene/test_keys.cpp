@@ -49,9 +49,9 @@ const Json everything = Json::parse(R"({
 })");
 
 // The same with a place.
-const Json everything_on_a_place = [] {
+const Json everything_on_a_site = [] {
     Json document = everything;
-    document["place"] = Json::parse(R"({
+    document["site"] = Json::parse(R"({
         "residents_csv": "people.csv", "epsg": 32756, "origin_easting_m": 300000, "origin_northing_m": 6000000,
         "ground": {"file": "ground.asc", "points": [[0, 1, 0], [9, 1, 0], [0, 1, 9]]},
         "houses": [{"name": "mill", "file": "houses.geojson", "polygon": [[1, 1], [2, 1], [2, 2]], "doors": [[1, 1.5]],
@@ -72,7 +72,7 @@ const Json everything_on_a_place = [] {
 }();
 
 const Json& everything_for(const std::string& pattern) {
-    return pattern.starts_with("/place") ? everything_on_a_place : everything;
+    return pattern.starts_with("/site") ? everything_on_a_site : everything;
 }
 
 // "/a/0/b" as its keys, none of which is escaped.
@@ -151,7 +151,7 @@ std::vector<Leaf> leaves_of_schema() {
     crowd.erase("people_csv");
     crowd["groups"]["items"]["properties"].erase("people_csv");
     std::vector<Leaf> leaves;
-    collect(schema, everything_on_a_place, "", "", leaves);
+    collect(schema, everything_on_a_site, "", "", leaves);
     return leaves;
 }
 
@@ -216,7 +216,7 @@ bool noted_as_unknown(const std::string& skipped) {
 
 TEST_CASE("the scene with everything keeps the keys' rules") {
     Problems problems;
-    wade::check_keys(everything_on_a_place, wade::scene_keys(), "", {"scene.json", problems});
+    wade::check_keys(everything_on_a_site, wade::scene_keys(), "", {"scene.json", problems});
     CHECK_NOTHROW(problems.throw_if_any());
     CHECK(leaves_of_schema().size() > 150);
 }

@@ -25,7 +25,7 @@ std::string refused_resident(const std::string& row, const std::string& keys = "
     folder.write("r.csv", "x,y,age,height,mass\n5,5,,,\n" + row + "\n");
     const auto scene =
         folder.write("scene.json",
-                     R"({"world": {"length_m": 20, "width_m": 20}, "place": {"epsg": 0, "residents_csv": "r.csv",
+                     R"({"world": {"length_m": 20, "width_m": 20}, "site": {"epsg": 0, "residents_csv": "r.csv",
             "shelters": [{"polygon": [[15, 15], [18, 15], [18, 18]]}]},
             "crowd": {"groups": [{"name": "a", "start": {"from": "houses"}, "goal": {"to": "shelters"})" +
                          keys + "}]}}");

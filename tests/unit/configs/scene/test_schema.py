@@ -15,7 +15,7 @@ VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 
 DECLARED = re.compile(r"f\.(?:number|whole|flag|text|choice|spread)\(\s*\"([^\"]+)\",\s*([A-Za-z_]\w*(?:(?:\.\w+)|\[\d\])*)")
 READERS = ("fluid_server/**/*.?pp", "crowd_client/**/*.?pp", "configs/checks/*.cpp", "configs/scene/scene_[cf]*.?pp",
-           "configs/loading/place_reader.cpp")
+           "configs/loading/site_reader.cpp")
 # Filled by the lists themselves into members that others declare, and words for people.
 ELSEWHERE = {"time": "frame"}
 FOR_PEOPLE = {"description"}
@@ -48,7 +48,7 @@ class Schema(unittest.TestCase):
         self.assertTrue(VALIDATOR.is_valid({"extends": "other.json", "channel": {"depth_m": 1}}))
         self.assertFalse(VALIDATOR.is_valid({"seed": 1}))
         self.assertFalse(VALIDATOR.is_valid({"channel": {"depth_m": 1}}))
-        self.assertTrue(VALIDATOR.is_valid({"place": {"ground": {"file": "ground.asc"}}}))
+        self.assertTrue(VALIDATOR.is_valid({"site": {"ground": {"file": "ground.asc"}}}))
         self.assertFalse(VALIDATOR.is_valid({"extends": "other.json", "no_such_key": 1}))
 
 

@@ -37,13 +37,13 @@ Vector2d turned(const Vector2d& p, double degrees, const Vector2d& about) {
 
 Scene place_of(double length, double width, const std::vector<Plan>& plans) {
     Scene scene = dry_scene(length, width);
-    scene.place.emplace();
-    for (const Plan& plan : plans) scene.place->houses.emplace_back().polygon = polygon_of(plan);
+    scene.site.emplace();
+    for (const Plan& plan : plans) scene.site->houses.emplace_back().polygon = polygon_of(plan);
     return scene;
 }
 
 bool is_in(const Scene& scene, const Vector2d& p) {
-    return std::any_of(scene.place->houses.begin(), scene.place->houses.end(), [&](const House& house) {
+    return std::any_of(scene.site->houses.begin(), scene.site->houses.end(), [&](const House& house) {
         return contains(house.polygon, {p.x(), p.y()});
     });
 }
@@ -145,7 +145,7 @@ TEST_CASE("No markers stand in a turned house, and all beside it") {
     Scene scene = place_of(30, 30, {});
     Plan plan;
     for (const Vector2d& p : rectangle(10, 20, 12, 18)) plan.push_back(turned(p, 30, {15, 15}));
-    scene.place->houses.emplace_back().polygon = polygon_of(plan);
+    scene.site->houses.emplace_back().polygon = polygon_of(plan);
     scene.crowd->groups = {row_of_people(1, {2, 2}, 1, {28, 28})};
     const std::size_t all = place_markers(dry_scene(30, 30)).size(), left = place_markers(scene).size();
     // 16 markers a square metre, thrown at random: 60 m2 of house take 960, within five deviations of a Poisson process.

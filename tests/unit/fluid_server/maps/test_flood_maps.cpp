@@ -45,9 +45,9 @@ TEST_CASE("the rating of Defra in towns: h (v + 0.5), and 1 for debris in deep o
 TEST_CASE("gauges read the nearest cell that is no wall, and are written a row a frame") {
     FloodMaps maps({0, 0, 2, 3, 4, 2});
     maps.wall[6] = true;
-    Place place;
-    place.gauges = {{"mill, old", {5.9, 4}, ""}, {"2", {1, 1}, ""}};  // the first one in the wall, near its right side
-    place_gauges(maps, place, {5, 5, 5, 5, 10, 11, 12, 13});
+    Site site;
+    site.gauges = {{"mill, old", {5.9, 4}, ""}, {"2", {1, 1}, ""}};  // the first one in the wall, near its right side
+    site_gauges(maps, site, {5, 5, 5, 5, 10, 11, 12, 13});
     REQUIRE(maps.gauges.size() == 2);
     CHECK((maps.gauges[0].row == 1 && maps.gauges[0].column == 3 && maps.gauges[0].ground == 13));
     CHECK((maps.gauges[1].row == 0 && maps.gauges[1].column == 0));
@@ -57,13 +57,13 @@ TEST_CASE("gauges read the nearest cell that is no wall, and are written a row a
         add_row(maps, 1, time, time < 1 ? dry : h, u, v);
     }
     const Folder folder;
-    write_maps(maps, place, folder.path);
+    write_maps(maps, site, folder.path);
     CHECK(read_text_file(folder.path / "gauges.csv", "gauges.csv") ==
           "time_s,name,depth_m,level_m,velocity_x_m_s,velocity_z_m_s,discharge_x_m2_s,discharge_z_m2_s\n"
           "0.5,\"mill, old\",0,13,-1.5,2,-0,0\n0.5,2,0,5,0,0,0,0\n"
           "1,\"mill, old\",0.004,13.004,-1.5,2,-0.006,0.008\n1,2,0,5,0,0,0,0\n");
     maps.wall.assign(8, true);
-    CHECK_THROWS_WITH(place_gauges(maps, place, {}), Catch::Matchers::Contains("the gauge mill, old has walls alone"));
+    CHECK_THROWS_WITH(site_gauges(maps, site, {}), Catch::Matchers::Contains("the gauge mill, old has walls alone"));
 }
 
 TEST_CASE("each map keeps the largest of its own value; thin films are dry, walls have no value") {
@@ -81,12 +81,12 @@ TEST_CASE("each map keeps the largest of its own value; thin films are dry, wall
     CHECK((maps.depth[2] == 0 && std::isnan(maps.arrival[2])));
 
     const Folder folder;
-    Place place;
-    place.epsg = 32756;
-    place.origin_x = 500000;
-    place.origin_z = 6000000;
+    Site site;
+    site.epsg = 32756;
+    site.origin_x = 500000;
+    site.origin_z = 6000000;
     maps.grid.dz = maps.grid.dx;  // the reader takes square cells only
-    write_maps(maps, place, folder.path);
+    write_maps(maps, site, folder.path);
     const RasterFile depth = read_raster(folder.path / "maps/max_depth_m.tif");
     CHECK(depth.epsg == 32756);
     CHECK((depth.raster.x == 500000 && depth.raster.z == 6000000 && depth.raster.cell == 2));

@@ -23,16 +23,16 @@ using namespace wade::fluid;
 namespace wade::fluid::billiard_test {
 
 using test::house_of;
-using test::PlaceTank;
+using test::SiteTank;
 
-// Lists, densities and gradients of particles on a place.
+// Lists, densities and gradients of particles on a site.
 struct Seen {
     Particles particles;
     NeighbourLists lists;
     ParticleFields fields;
 
     // spacing: of the particles, whatever the scene's
-    Seen(const Scene& scene, const PlaceSolids& solids, const Particles& all, double spacing)
+    Seen(const Scene& scene, const SiteSolids& solids, const Particles& all, double spacing)
         : particles(all), lists(all.capacity()), fields(all.capacity()) {
         CellGrid grid(scene, static_cast<float>(support_radius_of(scene.fluid)));
         grid.sort(particles, -Box::inf);
@@ -48,7 +48,7 @@ struct Range {
     double least = 2, most = 0;
 };
 Range densities_round(const MapPoint& corner, const Scene& scene) {
-    const PlaceSolids solids = test::solids_of(scene);
+    const SiteSolids solids = test::solids_of(scene);
     constexpr double fine = 0.02, reach = 0.44, asked_within = 0.2, cosine = 0.9844, sine = 0.1759;
     Particles p(40000);
     for (double a = -reach; a < reach; a += fine) {
@@ -77,8 +77,8 @@ Range densities_round(const MapPoint& corner, const Scene& scene) {
 
 TEST_CASE("in corners of any angle every place round a particle is filled once", "[billiard]") {
     const double angle = GENERATE(90, 80, 100, 60, 120);
-    const PlaceTank tank{2, 2, 17, angle};
-    const Range range = densities_round(tank.at(-1, -1), test::place_scene(tank, 0, 0.1));
+    const SiteTank tank{2, 2, 17, angle};
+    const Range range = densities_round(tank.at(-1, -1), test::site_scene(tank, 0, 0.1));
     // Walls cut cells of 0.02 m, which are full or empty: within 0.2 m that is 4 %, twice with the images. An image too many or too
     // few in a corner is more than 12 %.
     CHECK(range.least > 0.92);
@@ -87,11 +87,11 @@ TEST_CASE("in corners of any angle every place round a particle is filled once",
 
 TEST_CASE("round the edges of houses every place is filled once, to what soft sight leaves", "[billiard]") {
     const double turned = 45;
-    const PlaceTank tank{3, 3, turned};
-    Scene scene = test::place_scene(tank, 0, 0.1);
+    const SiteTank tank{3, 3, turned};
+    Scene scene = test::site_scene(tank, 0, 0.1);
     // An L, with edges of 90 degrees and an inner corner.
-    scene.place->houses.push_back(house_of({{tank.at(-0.5, -0.5), tank.at(0.5, -0.5), tank.at(0.5, 0), tank.at(0, 0),
-                                             tank.at(0, 0.5), tank.at(-0.5, 0.5)}}));
+    scene.site->houses.push_back(house_of({{tank.at(-0.5, -0.5), tank.at(0.5, -0.5), tank.at(0.5, 0), tank.at(0, 0),
+                                            tank.at(0, 0.5), tank.at(-0.5, 0.5)}}));
     for (const MapPoint& corner : {tank.at(-0.5, -0.5), tank.at(0.5, 0), tank.at(0, 0)}) {
         const Range range = densities_round(corner, scene);
         CHECK(range.least > 0.92);
@@ -117,10 +117,10 @@ TEST_CASE("a front in many pieces mirrors as one in one piece", "[billiard]") {
     const int ground = GENERATE(0, 1);
     const double gap = 0.06;    // so narrow that paths go from one front to the other and back
     const double joint = 5e-4;  // half the width of what is between pieces
-    const PlaceTank tank{1.2, 1.2, 17, 90, 5};
+    const SiteTank tank{1.2, 1.2, 17, 90, 5};
     const auto scene_of = [&](double in_pieces) {
-        Scene scene = test::place_scene(tank, 0, 0.1);
-        if (ground == 1) scene.place->ground.slope_x = 0.2;
+        Scene scene = test::site_scene(tank, 0, 0.1);
+        if (ground == 1) scene.site->ground.slope_x = 0.2;
         std::vector<MapPoint> front{tank.at(-0.5, 0.4), tank.at(-0.5, gap / 2)};
         for (double n = 1; n < in_pieces; ++n) {
             const double x = -0.5 + n / in_pieces;
@@ -129,8 +129,8 @@ TEST_CASE("a front in many pieces mirrors as one in one piece", "[billiard]") {
                 front.push_back(tank.at(x + away, z));
         }
         front.push_back(tank.at(0.5, gap / 2)), front.push_back(tank.at(0.5, 0.4));
-        scene.place->houses.push_back(house_of({front}));
-        scene.place->houses.push_back(
+        scene.site->houses.push_back(house_of({front}));
+        scene.site->houses.push_back(
             house_of({{tank.at(-0.5, -0.4), tank.at(0.5, -0.4), tank.at(0.5, -gap / 2), tank.at(-0.5, -gap / 2)}}));
         return scene;
     };
@@ -138,7 +138,7 @@ TEST_CASE("a front in many pieces mirrors as one in one piece", "[billiard]") {
     std::mt19937 numbers(5);
     const auto in = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(numbers); };
     const Scene whole = scene_of(1);
-    const PlaceSolids solids = test::solids_of(whole);
+    const SiteSolids solids = test::solids_of(whole);
     while (particles.count < 500) {
         const MapPoint at = tank.at(in(-0.45, 0.45), in(-0.02, 0.02));
         Vec3 x{static_cast<float>(at.x), 0, static_cast<float>(at.z)};
@@ -158,22 +158,22 @@ struct Felt {
     std::array<float, 3> felt, gradient;
 };
 
-TEST_CASE("forces between particles of a place are opposite, whatever stands between them", "[billiard]") {
+TEST_CASE("forces between particles of a site are opposite, whatever stands between them", "[billiard]") {
     const double turned = GENERATE(0, 17);
     const int ground = GENERATE(0, 1, 2);
-    const PlaceTank tank{1.2, 1.2, turned, 80};
-    Scene scene = test::place_scene(tank, 0, 0.1);
-    scene.place->houses.push_back(house_of({{tank.at(-0.3, -0.3), tank.at(0.3, -0.3), tank.at(0.3, 0), tank.at(0, 0),
-                                             tank.at(0, 0.3), tank.at(-0.3, 0.3)}}));
-    if (ground == 1) scene.place->ground.slope_x = 0.2;
+    const SiteTank tank{1.2, 1.2, turned, 80};
+    Scene scene = test::site_scene(tank, 0, 0.1);
+    scene.site->houses.push_back(house_of({{tank.at(-0.3, -0.3), tank.at(0.3, -0.3), tank.at(0.3, 0), tank.at(0, 0),
+                                            tank.at(0, 0.3), tank.at(-0.3, 0.3)}}));
+    if (ground == 1) scene.site->ground.slope_x = 0.2;
     if (ground == 2) {
         const auto raster = std::make_shared<Raster>();
         raster->cell = 0.1, raster->columns = raster->rows = 42;
         for (int n = 0; n < 42 * 42; ++n)
             raster->values.push_back(0.15 * std::sin(0.15 * (n % 42)) * std::cos(0.13 * (n / 42)));
-        scene.place->ground.raster = raster;
+        scene.site->ground.raster = raster;
     }
-    const PlaceSolids solids = test::solids_of(scene);
+    const SiteSolids solids = test::solids_of(scene);
     Particles particles(2000);
     std::mt19937 numbers(7);
     std::uniform_real_distribution<float> plan(1.2F, 2.8F), height(0, 0.5F);
@@ -221,7 +221,7 @@ struct SeenByMap {
 };
 using SeenInOrder = std::vector<std::vector<SeenByMap>>;
 
-SeenInOrder seen_in_order(const CellGrid& grid, const PlaceSolids& solids, const Particles& p, float h) {
+SeenInOrder seen_in_order(const CellGrid& grid, const SiteSolids& solids, const Particles& p, float h) {
     SeenInOrder seen(padded(p.count));
     test::for_each_seen(grid, solids, p, h,
                         [&](std::size_t i, std::uint32_t j, const auto&, const auto* turned, unsigned share) {
@@ -234,8 +234,8 @@ SeenInOrder seen_in_order(const CellGrid& grid, const PlaceSolids& solids, const
 // Four houses of random triangles and boxes, close together, on level, sloping or rough ground.
 Scene scene_of_lanes(std::mt19937& random, int ground) {
     const auto in = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); };
-    const PlaceTank tank{2.6, 2.6, in(0, 90), in(60, 120), 5};
-    Scene scene = test::place_scene(tank, 0, 0.1);
+    const SiteTank tank{2.6, 2.6, in(0, 90), in(60, 120), 5};
+    Scene scene = test::site_scene(tank, 0, 0.1);
     for (int n = 0; n < 4; ++n) {
         const double x = in(-0.2, 0.2) + (n % 2 == 0 ? -0.5 : 0.5), z = in(-0.2, 0.2) + (n / 2 == 0 ? -0.5 : 0.5);
         const double turned = in(0, 6.3), size = in(0.2, 0.5);
@@ -245,19 +245,19 @@ Scene scene_of_lanes(std::mt19937& random, int ground) {
             const double angle = turned + 6.283185 * c / count;
             corners.push_back(tank.at(x + size * std::cos(angle), z + size * std::sin(angle)));
         }
-        scene.place->houses.push_back(house_of({corners}));
+        scene.site->houses.push_back(house_of({corners}));
     }
-    if (ground == 1) scene.place->ground.slope_x = 0.2;
+    if (ground == 1) scene.site->ground.slope_x = 0.2;
     if (ground == 2) {
         const auto raster = std::make_shared<Raster>();
         raster->cell = 0.1, raster->columns = raster->rows = 60;
         for (int n = 0; n < 60 * 60; ++n) raster->values.push_back(in(0, 0.03) + 0.1 * std::sin(0.15 * (n % 60)));
-        scene.place->ground.raster = raster;
+        scene.site->ground.raster = raster;
     }
     return scene;
 }
 
-Particles particles_of_lanes(const PlaceSolids& solids, const MapPoint& middle, std::mt19937& random) {
+Particles particles_of_lanes(const SiteSolids& solids, const MapPoint& middle, std::mt19937& random) {
     const auto in = [&](float lo, float hi) { return std::uniform_real_distribution<float>(lo, hi)(random); };
     const auto mx = static_cast<float>(middle.x), mz = static_cast<float>(middle.z);
     Particles particles(4000);
@@ -272,7 +272,7 @@ Particles particles_of_lanes(const PlaceSolids& solids, const MapPoint& middle, 
 }
 
 // The same with others before them, far away: in clusters of any size each has other company.
-SeenInOrder seen_in_other_company(const Scene& scene, const PlaceSolids& solids, const Particles& p, float h) {
+SeenInOrder seen_in_other_company(const Scene& scene, const SiteSolids& solids, const Particles& p, float h) {
     constexpr std::uint32_t others = 3;
     Particles all(p.capacity());
     for (std::uint32_t k = 0; k < others; ++k) all.add({0.1F, 0.1F, 0.1F}, {}, Kind::fluid);
@@ -295,8 +295,8 @@ TEST_CASE("whom a particle sees among houses does not depend on who is in its cl
     std::size_t in_part = 0, differ = 0;
     for (int trial = 0; trial < 20; ++trial) {
         const Scene scene = scene_of_lanes(random, ground);
-        const PlaceSolids solids = test::solids_of(scene);
-        Particles p = particles_of_lanes(solids, PlaceTank{2.6, 2.6, 0, 90, 5}.at(0, 0), random);
+        const SiteSolids solids = test::solids_of(scene);
+        Particles p = particles_of_lanes(solids, SiteTank{2.6, 2.6, 0, 90, 5}.at(0, 0), random);
         const auto h = static_cast<float>(support_radius_of(scene.fluid));
         CellGrid grid(scene, h);
         grid.sort(p, -Box::inf);
@@ -314,7 +314,7 @@ TEST_CASE("whom a particle sees among houses does not depend on who is in its cl
     CHECK(in_part > 1000);
 }
 
-TEST_CASE("a tank of a place sees what the same tank of a channel sees", "[billiard]") {
+TEST_CASE("a tank of a site sees what the same tank of a channel sees", "[billiard]") {
     Scene channel = test::tank(1.2, 1.2, 0.6, 0.1);
     Particles particles(2000);
     std::mt19937 numbers(3);
@@ -329,9 +329,9 @@ TEST_CASE("a tank of a place sees what the same tank of a channel sees", "[billi
     compute_density_and_diagonal(particles, make_kernel(channel.fluid), 1e-3F, false, of_channel, expected);
     Scene place = channel;
     place.world->length = place.world->width = 1.2;
-    place.place = Place{};
+    place.site = Site{};
     const Seen seen(place, test::solids_of(place), particles, 0.1);
-    // The grid of a place is higher, which changes the order.
+    // The grid of a site is higher, which changes the order.
     for (std::size_t i = 0; i < particles.count; ++i) {
         const auto at = std::find(seen.particles.x.begin(), seen.particles.x.end(), particles.x[i]);
         const auto same = static_cast<std::size_t>(at - seen.particles.x.begin());
@@ -356,11 +356,11 @@ TEST_CASE("maps of walls turn vectors and their transposed turn them back", "[bi
     for (std::size_t k = 0; k < 3; ++k) CHECK(at_once[k] == Approx(in_turn[k]));
 }
 
-TEST_CASE("water on a place has the same bits for any threads and vectors", "[billiard]") {
-    const PlaceTank tank{1, 0.8, 17};
-    Scene scene = test::place_scene(tank, 0.4, 0.1);
-    scene.place->houses.push_back(house_of({{tank.at(-0.2, -0.2), tank.at(0.2, -0.1), tank.at(0, 0.2)}}));
-    scene.place->ground.slope_x = 0.05;
+TEST_CASE("water on a site has the same bits for any threads and vectors", "[billiard]") {
+    const SiteTank tank{1, 0.8, 17};
+    Scene scene = test::site_scene(tank, 0.4, 0.1);
+    scene.site->houses.push_back(house_of({{tank.at(-0.2, -0.2), tank.at(0.2, -0.1), tank.at(0, 0.2)}}));
+    scene.site->ground.slope_x = 0.05;
     const auto run = [&](int threads, bool widest) {
         omp_set_num_threads(threads);
         use_widest_vectors(widest);

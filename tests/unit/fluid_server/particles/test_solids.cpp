@@ -164,7 +164,7 @@ TEST_CASE("every place round a particle near an obstacle is filled exactly once"
         wrong += std::abs(filled - 1) < 1e-3F ? 0 : 1;
     }
     CHECK(in_part > 1000);
-    // Next to the upper corners of the box three edges have a say, and the shares of a place do not add up exactly: there and
+    // Next to the upper corners of the box three edges have a say, and the shares of a site do not add up exactly: there and
     // nowhere else, with no more and no less on the whole.
     CHECK(wrong < tried / 100);
     CHECK(sum / tried == Approx(1).margin(1e-3));

@@ -12,7 +12,7 @@
 #include "configs/scene/coupling.hpp"
 #include "configs/scene/fluid.hpp"
 #include "fluid_server/shallow_water/model.hpp"
-#include "tests/validation/place_scenes.hpp"
+#include "tests/validation/site_scenes.hpp"
 #include "waters.hpp"
 
 namespace wade::fluid::shallow_water {
@@ -157,40 +157,40 @@ void check_bits(const Scene& scene, std::uint64_t frames, std::uint64_t rate,
 }
 
 // Water that falls down between houses, with all that comes and goes, through a gate that opens.
-Scene place_with_all() {
-    Scene scene = validation::empty_place(30, 20, 0.5);
+Scene site_with_all() {
+    Scene scene = validation::empty_site(30, 20, 0.5);
     scene.fluid->model = wade::ModelKind::shallow_water;
     const validation::Turn turn(15, 10, 25);
-    Place& place = *scene.place;
-    place.ground.slope_x = -0.1, place.ground.level = 4;
-    place.roughness.n = 0.03;
-    place.roughness.zones = {{turn.box(-4, 4, -4, 4), 0.1}};
-    place.houses = {validation::house_of(turn.box(-3, 3, -2, 2)), validation::house_of(turn.box(5, 6, -9, 9))};
-    place.sources = {{"hill", turn.box(-13, -10, -2, 2), {}, {{0, 0}, {5, 3}, {10, 1}}}};
-    place.rain = {{0, 0}, {2, 3000}, {4, 0}};
-    place.water = {{turn.box(-12, -6, -20, 20), 2.5}};
-    place.gates = {{"gate", {turn(-6, -12), turn(-6, 12)}, 1.5}};
-    place.gauges = {{"low", {20, 6}}, {"high", {20, 14}}};
-    place.outlets = {{"sea", OutletKind::free, {}, {{30, 2}, {30, 10}}, {}},
-                     {"lake", OutletKind::stage, {}, {{30, 10}, {30, 14}}, {{0, 1.5}, {4, 2}}},
-                     {"sea", OutletKind::wave, {}, {{30, 14}, {30, 18}}, {{0, 1.5}, {4, 2}}}};
+    Site& site = *scene.site;
+    site.ground.slope_x = -0.1, site.ground.level = 4;
+    site.roughness.n = 0.03;
+    site.roughness.zones = {{turn.box(-4, 4, -4, 4), 0.1}};
+    site.houses = {validation::house_of(turn.box(-3, 3, -2, 2)), validation::house_of(turn.box(5, 6, -9, 9))};
+    site.sources = {{"hill", turn.box(-13, -10, -2, 2), {}, {{0, 0}, {5, 3}, {10, 1}}}};
+    site.rain = {{0, 0}, {2, 3000}, {4, 0}};
+    site.water = {{turn.box(-12, -6, -20, 20), 2.5}};
+    site.gates = {{"gate", {turn(-6, -12), turn(-6, 12)}, 1.5}};
+    site.gauges = {{"low", {20, 6}}, {"high", {20, 14}}};
+    site.outlets = {{"sea", OutletKind::free, {}, {{30, 2}, {30, 10}}, {}},
+                    {"lake", OutletKind::stage, {}, {{30, 10}, {30, 14}}, {{0, 1.5}, {4, 2}}},
+                    {"sea", OutletKind::wave, {}, {{30, 14}, {30, 18}}, {{0, 1.5}, {4, 2}}}};
     return scene;
 }
 
 }  // namespace bands_test
 
 TEST_CASE("a place over ranks gives the bits of one process", "[bands]") {
-    bands_test::check_bits(bands_test::place_with_all(), 5, 2, {2, 4});
+    bands_test::check_bits(bands_test::site_with_all(), 5, 2, {2, 4});
 }
 
 TEST_CASE("what the first rank has of water that runs away is what was last there", "[bands]") {
-    Scene scene = validation::empty_place(40, 12, 0.5);
+    Scene scene = validation::empty_site(40, 12, 0.5);
     scene.fluid->model = wade::ModelKind::shallow_water;
-    Place& place = *scene.place;
-    place.ground.slope_x = -0.2, place.ground.level = 8;
-    place.roughness.n = 0;  // so that lines fall dry
-    place.water = {{validation::Turn(5, 6, 0).box(-3, 3, -5, 5), 8}};
-    place.outlets = {{"sea", OutletKind::free, {}, {{40, 0}, {40, 12}}, {}}};
+    Site& site = *scene.site;
+    site.ground.slope_x = -0.2, site.ground.level = 8;
+    site.roughness.n = 0;  // so that lines fall dry
+    site.water = {{validation::Turn(5, 6, 0).box(-3, 3, -5, 5), 8}};
+    site.outlets = {{"sea", OutletKind::free, {}, {{40, 0}, {40, 12}}, {}}};
     for (const std::uint64_t rate : {5U, 7U, 8U}) bands_test::check_bits(scene, 12 * rate, rate, {2, 3});
 }
 

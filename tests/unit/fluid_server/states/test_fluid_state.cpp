@@ -92,24 +92,24 @@ TEST_CASE("the stock takes up another max_particles", "[fluid][state]") {
     CHECK(exact.emitter().stock == 0);
 }
 
-TEST_CASE("a state of a place goes on with the same bits, and on no other ground, among no other houses",
+TEST_CASE("a state of a site goes on with the same bits, and on no other ground, among no other houses",
           "[fluid][state]") {
     Scene scene;
     scene.world->length = 8, scene.world->width = 6;
     scene.channel->flow = Flow::closed;
     scene.channel->x = {0, 8}, scene.channel->z = {0, 6};
     scene.fluid = test::fluid_of(0.25, 8000);
-    Place& place = scene.place.emplace();
-    place.ground.slope_x = 0.05;
-    place.roughness.n = 0.03;
-    place.water = {{{}, 0.8}};
-    place.houses.resize(1);
-    place.houses[0].polygon.rings = {{{3, 2}, {5, 2.5}, {4.5, 4.5}, {2.5, 4}}};
-    place.sources.resize(1);
-    place.sources[0].line = {{8, 2}, {8, 4}};
-    place.sources[0].discharge = {{0, 2}};
-    place.outlets.resize(1);
-    place.outlets[0].line = {{0, 0}, {0, 6}};
+    Site& site = scene.site.emplace();
+    site.ground.slope_x = 0.05;
+    site.roughness.n = 0.03;
+    site.water = {{{}, 0.8}};
+    site.houses.resize(1);
+    site.houses[0].polygon.rings = {{{3, 2}, {5, 2.5}, {4.5, 4.5}, {2.5, 4}}};
+    site.sources.resize(1);
+    site.sources[0].line = {{8, 2}, {8, 4}};
+    site.sources[0].discharge = {{0, 2}};
+    site.outlets.resize(1);
+    site.outlets[0].line = {{0, 0}, {0, 6}};
     DfsphModel whole(scene), first(scene);
     run_frames(whole, 8);
     run_frames(first, 4);
@@ -123,17 +123,17 @@ TEST_CASE("a state of a place goes on with the same bits, and on no other ground
     CHECK(std::equal(a.vy.begin(), a.vy.begin() + static_cast<std::ptrdiff_t>(a.count), b.vy.begin()));
     CHECK_THAT(whole.remarks(), Contains("m3 came in"));
 
-    const auto refused = [&](const std::function<void(Place&)>& change, const std::string& text) {
+    const auto refused = [&](const std::function<void(Site&)>& change, const std::string& text) {
         Scene other = scene;
-        change(*other.place);
+        change(*other.site);
         FluidWorld world(other);
         CHECK_THROWS_WITH(world.restore(state, "test"), Contains(text));
     };
-    refused([](Place& p) { p.ground.slope_x = 0.06; }, "/place/ground/slope_x is 0.05 in this file and 0.06");
-    refused([](Place& p) { p.houses.clear(); }, "/place/houses has 1 entries in this file and 0 in the scene");
-    refused([](Place& p) { p.houses[0].polygon.rings[0][1].x = 5.5; },
-            "/place/houses/0/polygon/1/0 is 5 in this file and 5.5 in the scene");
-    refused([](Place& p) { p.gates.push_back({"", {{6, 0}, {6, 6}}, 5, ""}); }, "/place/gates has 0 entries");
+    refused([](Site& p) { p.ground.slope_x = 0.06; }, "/site/ground/slope_x is 0.05 in this file and 0.06");
+    refused([](Site& p) { p.houses.clear(); }, "/site/houses has 1 entries in this file and 0 in the scene");
+    refused([](Site& p) { p.houses[0].polygon.rings[0][1].x = 5.5; },
+            "/site/houses/0/polygon/1/0 is 5 in this file and 5.5 in the scene");
+    refused([](Site& p) { p.gates.push_back({"", {{6, 0}, {6, 6}}, 5, ""}); }, "/site/gates has 0 entries");
 }
 
 TEST_CASE("a state is refused where its water cannot go on, with key and both values", "[fluid][state]") {

@@ -76,13 +76,13 @@ class Title(unittest.TestCase):
 
 
 class Film(unittest.TestCase):
-    """Two people walk in a place: 0 is sheltered at 0.5 s, between two frames, 1 drowns at 2 s; 2 stays indoors."""
+    """Two people walk in a site: 0 is sheltered at 0.5 s, between two frames, 1 drowns at 2 s; 2 stays indoors."""
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory(prefix="wade-test-")
         self.addCleanup(temporary.cleanup)
         self.folder = Path(temporary.name)
-        described = {**scene(), "place": {"shelters": []}, "obstacles": [], "fluid": {"particle_spacing_m": 0.5}}
+        described = {**scene(), "site": {"shelters": []}, "obstacles": [], "fluid": {"particle_spacing_m": 0.5}}
         described["channel"] |= {"x_min_m": 0.0, "x_max_m": 20.0, "z_min_m": 0.0, "z_max_m": 10.0, "depth_m": 1.0}
         described["crowd"]["groups"] = [{"count": 3, "name": "all", "goal": {"to": "shelters"}}]
         (self.folder / "manifest.json").write_text(json.dumps({"resolved_scene": described}))

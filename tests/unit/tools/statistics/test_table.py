@@ -324,11 +324,11 @@ class Folder(unittest.TestCase):
 
 class Sensitivity(unittest.TestCase):
     def test_inputs_of_the_list_are_those_that_the_scene_has(self):
-        scene = {**SCENE, "place": {"sources": [{"discharge_m3_s": 2.0}, {"discharge_m3_s": 10.0}, {"hydrograph_csv": "a"}]}}
+        scene = {**SCENE, "site": {"sources": [{"discharge_m3_s": 2.0}, {"discharge_m3_s": 10.0}, {"hydrograph_csv": "a"}]}}
         inputs = {one.name: one for one in sensitivity.read_inputs(sensitivity.DEFAULT_INPUTS, scene)}
         self.assertEqual(inputs["discharge of the sources"].settings(1),
-                         {"/place/sources/0/discharge_m3_s": 2.5, "/place/sources/1/discharge_m3_s": 12.5})
-        self.assertNotIn("friction of a place for water", inputs)
+                         {"/site/sources/0/discharge_m3_s": 2.5, "/site/sources/1/discharge_m3_s": 12.5})
+        self.assertNotIn("friction of a site for water", inputs)
         self.assertNotIn("speed of the water", inputs, "that of a channel")
         river = {one.name: one for one in sensitivity.read_inputs(sensitivity.DEFAULT_INPUTS, SCENE)}
         self.assertEqual(river["speed of the water"].settings(0), {"/channel/velocity_m_s": 0.75})

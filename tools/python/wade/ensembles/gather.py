@@ -38,7 +38,7 @@ def row_of(folder, run, fingerprint, refusal):
 
 
 def said_of_places(rows):
-    """Where people of a place may be besides, of those columns that a row has."""
+    """Where people of a site may be besides, of those columns that a row has."""
     return [key for key in OF_PLACES if any(key in row for row in rows)]
 
 

@@ -7,7 +7,7 @@ vtk: a .vtp a frame and a .pvd, for ParaView; of a run without --water also the 
 binary .ply a frame, with velocities: points, and the mesh of the water's surface. obj: a mesh a frame, of the water's surface
 and of people. --spacing M is the distance of the surface's vertices, around particles and over columns. usd: .usda with time samples, people as instances and as
 skeletons. gltf: figures that walk, of people. csv: one table. geotiff: depth, speed, depth times speed and hazard class of
-a run's water, a file a frame, and the maps of a place. pedpy: PedPy's text, of people.
+a run's water, a file a frame, and the maps of a site. pedpy: PedPy's text, of people.
 """
 
 import argparse
@@ -142,7 +142,7 @@ def export_surfaces(options, thinning, folder):
     from wade.pictures.top_view import water_cells
 
     scene = sources.scene_of(options.source)
-    if scene.get("place"):
+    if scene.get("site"):
         print("no surface: water.bin does not know the heights of a site; allowed: --water RECORDING (tools/wade run --record)")
         return
     grid, records = water_snapshots(options.source / "water.bin")
@@ -159,7 +159,7 @@ def export_surfaces(options, thinning, folder):
 
 
 def export_geotiff(options, thinning, folder):
-    """The water of a run folder on its cells: of --water, else the depths of its snapshots; and the maps of a place."""
+    """The water of a run folder on its cells: of --water, else the depths of its snapshots; and the maps of a site."""
     from wade.export import sources, tables
     from wade.pictures.run_files import water_snapshots
 

@@ -24,7 +24,7 @@ class SurfaceOf:
     def __init__(self, stream, scene, spacing=None):
         fluid = scene["fluid"] if scene else {}
         self.spacing, self.density = spacing, fluid.get("rest_density_kg_m3", 1000)
-        self.bed = bed_of(scene) if scene and not scene.get("place") else None
+        self.bed = bed_of(scene) if scene and not scene.get("site") else None
         self.columns = None if stream.producer != "shallow_water" and fluid.get("model") != "shallow_water" else True
         self.cell = fluid["shallow_water"]["cell_size_m"] if fluid.get("shallow_water") else max(0.5, 2 * stream.radius)
 

@@ -138,7 +138,7 @@ class Ply:
 
 # Upper bounds of H1 to H5 of Australian Rainfall and Runoff (2019, book 6, table 6.7.4): depth times speed, depth, speed.
 HAZARD_CLASSES = ((0.3, 0.3, 2), (0.6, 0.5, 2), (0.6, 1.2, 2), (1, 2, 2), (4, 4, 4))
-WET_M = 0.01  # less is dry, as for the maps of a place
+WET_M = 0.01  # less is dry, as for the maps of a site
 BANDS = ("depth_m", "speed_m_s", "dv_m2_s", "arr_h")
 
 
@@ -195,15 +195,15 @@ class GeoTiff:
 
     def __init__(self, folder, scene, maps, region):
         self.folder, channel, fluid = folder, scene["channel"], scene["fluid"]
-        place = scene.get("place", {})
-        self.density, self.epsg = fluid["rest_density_kg_m3"], int(place.get("epsg", 0))
-        columns = place and fluid["model"] == "shallow_water"
+        site = scene.get("site", {})
+        self.density, self.epsg = fluid["rest_density_kg_m3"], int(site.get("epsg", 0))
+        columns = site and fluid["model"] == "shallow_water"
         size = fluid["shallow_water"]["cell_size_m"] if columns else max(0.5, fluid["particle_spacing_m"])
         self.edges = []  # of cells, along z and x
         for axis in "zx":
             low, high = channel[f"{axis}_min_m"], channel[f"{axis}_max_m"]
             self.edges.append(np.linspace(low, high, max(1, round((high - low) / size)) + 1))
-        self.origin = np.array([place.get("origin_easting_m", 0), place.get("origin_northing_m", 0)], float)
+        self.origin = np.array([site.get("origin_easting_m", 0), site.get("origin_northing_m", 0)], float)
         self.walls = None
         if maps:
             from wade.pictures.run_files import read_map
@@ -256,7 +256,7 @@ class GeoTiff:
 
 
 def copy_maps(maps, folder):
-    """The maps of a place, which are GeoTIFF already; their names."""
+    """The maps of a site, which are GeoTIFF already; their names."""
     from wade.pictures.run_files import read_map
 
     files = sorted(maps.glob("*.tif"))

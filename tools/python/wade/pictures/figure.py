@@ -56,7 +56,7 @@ def add_legend(figure, ends, scene, cut_off="", of_film=False):
                                   markeredgecolor=INK, markeredgewidth=0.6, label=label))
     if scene.get("obstacles"):
         handles.append(Patch(facecolor="#8d8d93", edgecolor=INK, hatch="////", label="obstacle"))
-    if scene.get("place", {}).get("shelters"):
+    if scene.get("site", {}).get("shelters"):
         handles.append(Patch(facecolor=STAR, edgecolor=INK, alpha=0.7, label="shelter"))
     names = group_names(scene["crowd"]["groups"], rows) if colours else []
     groups = [Line2D([], [], color=colour, linewidth=2.2, linestyle=top_view.dash_of_group(i), label=name)

@@ -132,7 +132,7 @@ class Film:
         for artist in (self.clock, *self.marks.values()):
             artist.set_animated(True)
         self.mesh = self.bar = None
-        shown = [outcome for outcome in top_view.OUTCOMES if outcome != "sheltered" or self.scene.get("place")]
+        shown = [outcome for outcome in top_view.OUTCOMES if outcome != "sheltered" or self.scene.get("site")]
         add_legend(self.figure, dict.fromkeys(shown, [None]), self.scene, of_film=True)
 
     def new_water(self, cells):
@@ -194,7 +194,7 @@ class Film:
             chosen = np.isin(states, codes)
             self.marks[outcome].set_data(*places[chosen].T)
             counts[outcome] = int(chosen.sum())
-        if self.scene.get("place"):  # paths begin at the doors
+        if self.scene.get("site"):  # paths begin at the doors
             counts["indoors"] = self.agents - sum(counts.values())
         else:
             del counts["sheltered"]

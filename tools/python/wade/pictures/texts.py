@@ -68,7 +68,7 @@ def title_of(scene, agents, ends, arrivals, cut_off=""):
     if ends.get("sheltered"):
         result.append(f"{len(ends['sheltered'])} sheltered")
     inside = len(agents) - sum(map(len, ends.values()))
-    if scene.get("place") and inside:
+    if scene.get("site") and inside:
         result.append(f"{inside} indoors")
     if ends["dead"]:
         result.append(f"{len(ends['dead'])} dead")

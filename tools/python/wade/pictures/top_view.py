@@ -228,9 +228,9 @@ def rings_of(geometry):
 
 def polygons_of(scene, kind):
     """Ground plans of the `houses` or `shelters` of a scene, in its metres; files that are gone are left out."""
-    place, polygons = scene.get("place", {}), []
-    origin = [place.get("origin_easting_m", 0), place.get("origin_northing_m", 0)]
-    for one in place.get(kind, []):
+    site, polygons = scene.get("site", {}), []
+    origin = [site.get("origin_easting_m", 0), site.get("origin_northing_m", 0)]
+    for one in site.get(kind, []):
         if one.get("polygon"):
             polygons.append(np.array(one["polygon"]))
         if not one.get("file") or not os.path.exists(one["file"]):

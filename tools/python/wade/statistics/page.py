@@ -31,8 +31,8 @@ from wade.terminal import Parser
 COLOURS = {"arrived": "#009e73", "sheltered": "#117733", "walking": "#56b4e9", "standing": "#88ccee", "recovering": "#ddcc77",
            "holding": "#e69f00", "pinned": "#f0e442", "carried": "#d55e00", "indoors": "#cc79a7", FLOODED: "#882255",
            "upstairs": "#aa4499", "drowned": "#16161a", SWEPT_AWAY: "#5a5a60"}
-# Where the water of a place comes from, by the keys of a scene.
-WATER_OF_A_PLACE = {"water": "stands there at the start", "water_depth_file": "lies there at the start",
+# Where the water of a site comes from, by the keys of a scene.
+WATER_OF_A_SITE = {"water": "stands there at the start", "water_depth_file": "lies there at the start",
                     "gates": "waits behind gates until they open", "sources": "flows in", "rain": "falls as rain"}
 OTHERS = ("#332288", "#999933", "#44aa99")  # of fates that only some scenes have
 WORDS = {
@@ -236,11 +236,11 @@ def assumed_of(case):
     boxes = len(scene.get("obstacles") or [])
     rows = [["ground", f"{world['length_m']:g} x {world['width_m']:g} m" + (f", {boxes} obstacles" if boxes else "")]]
     channel = scene.get("channel")
-    if scene.get("place"):
+    if scene.get("site"):
         from wade.pictures.top_view import polygons_of
         houses = len(polygons_of(scene, "houses"))
         rows[0][1] += f", a map with {houses} house{'s' if houses != 1 else ''}"
-        came = [words for key, words in WATER_OF_A_PLACE.items() if scene["place"].get(key)]
+        came = [words for key, words in WATER_OF_A_SITE.items() if scene["site"].get(key)]
         rows.append(["water", ", ".join(came) or "none"])
     elif channel:
         depth = f"{channel['depth_m']:g} m deep, " if "depth_m" in channel else ""
@@ -343,7 +343,7 @@ def flows(case):
     """A sentence on the direction of a channel's water; "" of a map."""
     scene = case.manifest()["resolved_scene"]
     channel = scene.get("channel") or {"flow": "closed"}
-    return "" if scene.get("place") or channel["flow"] == "closed" else " The water flows to the left."
+    return "" if scene.get("site") or channel["flow"] == "closed" else " The water flows to the left."
 
 
 def losses_html(case, file, of=""):

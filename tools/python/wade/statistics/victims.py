@@ -81,7 +81,7 @@ def _filled(values, known):
 def straight_stream(scene):
     """water(x, z) of a straight channel that flows at v_F, towards x = 0; None of other water."""
     channel = scene.get("channel")
-    if scene.get("place") or not channel or channel["flow"] == "closed" or scene.get("obstacles"):
+    if scene.get("site") or not channel or channel["flow"] == "closed" or scene.get("obstacles"):
         return None
     history = channel.get("velocity_history") or []
     speed = history[-1]["velocity_m_s"] if history else channel["velocity_m_s"]

@@ -71,8 +71,8 @@ MapLine box(double x0, double z0, double x1, double z1) {
 Scene scene_with(std::vector<House> houses) {
     Scene scene;
     scene.world->length = 20, scene.world->width = 10;
-    scene.place.emplace();
-    scene.place->houses = std::move(houses);
+    scene.site.emplace();
+    scene.site->houses = std::move(houses);
     return scene;
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("Holes of the walkable area touch neither its edge nor one another") {
           "(50.001 10.001, 59.999 10.001, 59.999 19.999, 50.001 19.999, 50.001 10.001))");
 }
 
-TEST_CASE("Houses of a place that touch, overlap and have courtyards are holes of the walkable area") {
+TEST_CASE("Houses of a site that touch, overlap and have courtyards are holes of the walkable area") {
     const Scene scene =
         scene_with({house({{{4, 4}, {6, 4}, {6, 6}, {4, 6}}}), house({{{6, 4}, {7, 4}, {7, 6}, {6, 6}}}),
                     house({{{10, 2}, {16, 2}, {16, 8}, {10, 8}}, {{12, 4}, {14, 4}, {14, 6}, {12, 6}}}),
@@ -114,7 +114,7 @@ TEST_CASE("Houses of a place that touch, overlap and have courtyards are holes o
     CHECK(area.area() == Approx(200 - 6 - 36 - 4));
 }
 
-TEST_CASE("The walkable area of a place has the size that its houses leave") {
+TEST_CASE("The walkable area of a site has the size that its houses leave") {
     const auto check = [](const std::string& what, double area, std::size_t holes, std::vector<House> houses) {
         CAPTURE(what);
         check_walkable(scene_with(std::move(houses)), area, holes);
@@ -146,12 +146,12 @@ TEST_CASE("Outlines that touch themselves enclose the points of an odd number of
 
 TEST_CASE("A house that is no polygon is named") {
     House point = house({{{2, 2}}});
-    point.label = "/place/houses/3";
+    point.label = "/site/houses/3";
     try {
         (void)walkable_area_wkt(scene_with({house({box(2, 2, 6, 6)}), point}));
         FAIL("it was accepted");
     } catch (const ConfigurationError& error) {
-        CHECK_THAT(error.what(), Catch::Matchers::StartsWith("/place/houses/3: "));
+        CHECK_THAT(error.what(), Catch::Matchers::StartsWith("/site/houses/3: "));
         CHECK_THAT(error.what(), Catch::Matchers::Contains("allowed: rings of at least 3 corners"));
     }
 }

@@ -81,7 +81,7 @@ def town_scene():
     return {
         "duration_s": 300,
         "frame_rate_hz": 10,
-        "place": {
+        "site": {
             "epsg": 0,
             "ground": {"file": "ground.asc"},
             "houses": [{"file": "houses.geojson"}],
