@@ -49,6 +49,16 @@ std::filesystem::path extended_file(const std::filesystem::path& file, const std
                              " and no scene of this short name; `wade scenes` lists those.");
 }
 
+// Renames /place, the name of /site until version 1.0.
+void rename_place(Json& document, const std::string& source) {
+    if (!document.is_object() || !document.contains("place")) return;
+    if (document.contains("site")) {
+        throw ConfigurationError(source + ": /place is the former name of /site, which is there, too; allowed: /site.");
+    }
+    document["site"] = std::move(document["place"]);
+    document.erase("place");
+}
+
 // The files that extend one another, the first being the one that was asked for.
 class Chain {
  public:
@@ -118,6 +128,7 @@ std::vector<Json> scene_layers(std::string_view text, const std::filesystem::pat
         while (true) {
             const std::string source = current_file.string();
             Json document = parse_scene_text(current, source);
+            rename_place(document, source);
             check_keys(document, scene_keys(), "", {source, problems});
             take_people(document, current_file, problems);
             make_paths_absolute(document, current_file.parent_path());

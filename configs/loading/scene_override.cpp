@@ -29,6 +29,7 @@ std::vector<std::string> keys_of(const SceneOverride& change) {
             keys.back() += c;
         }
     }
+    if (keys.front() == "place") keys.front() = "site";  // its name until version 1.0
     return keys;
 }
 

@@ -265,7 +265,7 @@ class Show {
         };
         const Json scene = in_text(d["scene"]), manifest = in_text(d["files"]["manifest.json"]);
         const Json& known = scene.is_object() ? scene : manifest["resolved_scene"];
-        if (!known.contains("site")) return;
+        if (!known.contains("site") && !known.contains("place")) return;  // /place in older runs
         try {
             const Scene read = load_scene_text(text_of(known), "manifest.json").scene;
             if (!read.site) return;

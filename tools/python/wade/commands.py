@@ -37,7 +37,8 @@ COMMANDS = {
                 old_names=("run-many",)),
         Command("run-one", "one run of a plan of `many`, for any engine", "wade.ensembles.one"),
         Command("scenes", "list the scenes by their short names", "wade.scenes"),
-        Command("site", "import: terrain and houses of a real site (needs GDAL)", "wade.site", pictures=True),
+        Command("site", "import: terrain and houses of a real site (needs GDAL)", "wade.site", pictures=True,
+                old_names=("place",)),
     ),
     "Look at a run": (
         Command("view", "a run in the browser, while it goes on or later", "wade.view",

@@ -14,6 +14,12 @@ PREFERRED = "paper"  # the folder of a name that several have
 DESCRIPTION = re.compile(r'"description"\s*:\s*("(?:[^"\\]|\\.)*")')
 
 
+def resolved_scene(manifest):
+    """Returns the scene of a manifest.json, with the keys of today: /site was /place in older runs."""
+    scene = manifest["resolved_scene"]
+    return {**{key: value for key, value in scene.items() if key != "place"}, "site": scene["place"]} if "place" in scene else scene
+
+
 def short_names():
     """All scenes of the project, {short name: file}: the way from configs/ without .json, for example "river/s05"."""
     files = sorted(file for file in CONFIGS.rglob("*.json") if file.parent != CONFIGS)
@@ -31,7 +37,7 @@ def find_scene(name):
         if file.exists() and not file.is_dir():
             return file
     scenes = short_names()
-    wanted = name.removesuffix(".json")
+    wanted = re.sub("^places/", "sites/", name.removesuffix(".json"))  # the folder's former name
     fitting = [short for short in scenes if short == wanted or short.endswith("/" + wanted)]
     preferred = f"{PREFERRED}/{wanted}"
     if preferred in fitting or len(fitting) == 1:

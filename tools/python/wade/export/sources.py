@@ -8,6 +8,7 @@ import numpy as np
 from wade import UsageError, plain_file
 from wade.export.recording import AGENTS, Recording
 from wade.run.outcome import MOST_PEOPLE, path_rate, read_agents
+from wade.scenes import resolved_scene
 from wade.states import CODES, UNKNOWN
 from wade.terminal import say_error
 
@@ -117,7 +118,7 @@ def particles_of(frame):
 def scene_of(folder):
     """The scene of a run folder with every default."""
     try:
-        return plain_file.read_json(folder / "manifest.json")["resolved_scene"]
+        return resolved_scene(plain_file.read_json(folder / "manifest.json"))
     except plain_file.FileError as error:
         raise UsageError(f"{folder} is no run folder: cannot read manifest.json: {error.strerror}") from error
 

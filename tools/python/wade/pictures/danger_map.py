@@ -18,6 +18,7 @@ from wade.pictures import run_files, top_view
 from wade.pictures.figure import write
 from wade.pictures.texts import draw_legend, draw_title, subtitle_of, title_of
 from wade.run.outcome import read_agents
+from wade.scenes import resolved_scene
 from wade.terminal import Parser
 
 # Light to dark, so that the order is seen without colours, too; blue and black marks stand out from all of them.
@@ -91,7 +92,7 @@ def draw(run, output):
     manifest = plain_file.read_json(run / "manifest.json")
     outcome = plain_file.read_json(run / "outcome.json")
     cells = read_cells(run / "danger.csv")
-    scene = manifest["resolved_scene"]
+    scene = resolved_scene(manifest)
     agents = read_agents(run / "agents.csv")
     paths = run_files.read_paths(run / "trajectories.sqlite")
 

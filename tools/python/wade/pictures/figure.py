@@ -24,6 +24,7 @@ from wade.pictures.run_files import ENDINGS, RunError, check_time, read_paths, r
 from wade.pictures.texts import draw_legend, draw_title, group_names, subtitle_of, title_of
 from wade.pictures.top_view import INK, OUTCOMES, PATH, STAR, far_goals
 from wade.run.outcome import read_agents
+from wade.scenes import resolved_scene
 from wade.terminal import Parser, say_error
 
 
@@ -76,7 +77,7 @@ def draw(run, time, output, width_px=None):
         check_time(run, time)
     manifest = plain_file.read_json(run / "manifest.json")
     outcome = plain_file.read_json(run / "outcome.json")
-    scene = manifest["resolved_scene"]
+    scene = resolved_scene(manifest)
     whole_run = time is None
     paths = read_paths(run / "trajectories.sqlite", np.inf if whole_run else time)
     end_time = outcome["sim_time_s"] if whole_run else time

@@ -19,6 +19,7 @@ from wade import plain_file
 from wade.pictures import run_files, top_view
 from wade.pictures.figure import write
 from wade.pictures.texts import draw_legend, draw_title, plain
+from wade.scenes import resolved_scene
 from wade.terminal import Parser
 
 ROUND = (1, 2, 5)
@@ -95,7 +96,7 @@ def draw_values(figure, axes, extent, name, values, unit):
 def draw(run, name, output):
     path = run / "maps" / f"{name}.tif"
     values, dx, dz = run_files.read_map(path)
-    scene = plain_file.read_json(run / "manifest.json")["resolved_scene"]
+    scene = resolved_scene(plain_file.read_json(run / "manifest.json"))
     length, width = values.shape[1] * dx, values.shape[0] * dz
     title, unit, classes = MAPS[name]
     figure, axes = top_view.new_map(scene, right=0.85, above=0.75, below=0.75 if classes else 0.6)

@@ -6,6 +6,7 @@ The position and the time of a loss are those of agents.csv: where a person drow
 import numpy as np
 
 from wade.reports.tables import count_of
+from wade.scenes import resolved_scene
 from wade.statistics.ensemble import SQUARE_M, SWEPT_AWAY
 
 MOST_ROWS = 12  # of each table
@@ -53,7 +54,7 @@ def draw(case, file):
     from wade.pictures.run_files import save_picture
     from wade.pictures.texts import draw_title
 
-    scene = case.manifest()["resolved_scene"]
+    scene = resolved_scene(case.manifest())
     x, z, _, _, swept = lost_people(case)
     length, width = scene["world"]["length_m"], scene["world"]["width_m"]
     lines = [np.arange(0, size + SQUARE_M, SQUARE_M) for size in (length, width)]

@@ -15,6 +15,7 @@ import numpy as np
 from wade import UsageError, plain_file
 from wade.reports.files import complain, say, write_whole
 from wade.reports.tables import count_of, listed
+from wade.scenes import resolved_scene
 from wade.statistics import drifts, losses
 from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet, having, open_kinds,
                                       read_ensemble)
@@ -231,7 +232,7 @@ def assumed(*cases, keys=()):
 def assumed_of(case):
     """[(what, value)] of what was put in, in words."""
     manifest = case.manifest()
-    scene, run = manifest["resolved_scene"], case.runs[0]
+    scene, run = resolved_scene(manifest), case.runs[0]
     world, crowd = scene["world"], scene["crowd"]
     boxes = len(scene.get("obstacles") or [])
     rows = [["ground", f"{world['length_m']:g} x {world['width_m']:g} m" + (f", {boxes} obstacles" if boxes else "")]]
@@ -330,7 +331,7 @@ def draw_all(case, folder):
             files["run"] = folder / "run.png", with_paths.seed
         except (OSError, KeyError) as error:
             complain(f"wade report: no picture of a run: {error}")
-    scene = case.manifest()["resolved_scene"]
+    scene = resolved_scene(case.manifest())
     x, z, _, _, over = sought(case)
     if len(x):
         density = density_of(x, z, scene["world"]["length_m"], scene["world"]["width_m"])
@@ -341,7 +342,7 @@ def draw_all(case, folder):
 
 def flows(case):
     """A sentence on the direction of a channel's water; "" of a map."""
-    scene = case.manifest()["resolved_scene"]
+    scene = resolved_scene(case.manifest())
     channel = scene.get("channel") or {"flow": "closed"}
     return "" if scene.get("site") or channel["flow"] == "closed" else " The water flows to the left."
 

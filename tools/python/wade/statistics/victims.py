@@ -14,6 +14,7 @@ from wade import UsageError, plain_file
 from wade.reports.files import say, write_whole
 from wade.reports.options import above_0
 from wade.reports.tables import count_of, document, markdown, section, write_csv
+from wade.scenes import resolved_scene
 from wade.statistics.ensemble import SWEPT_AWAY, read_ensemble
 from wade.statistics.last_places import SQUARE_M, density_of, drift, search_order, start_drift
 from wade.states import MISSING
@@ -151,7 +152,7 @@ def table_of(rows):
 
 def look(case, options, file):
     """(section, lines of victims.csv) of a case; "" where nobody is to be looked for."""
-    scene = case.manifest()["resolved_scene"]
+    scene = resolved_scene(case.manifest())
     x, z, run, dead, over = sought(case)
     lost = f" {over} were carried off the map." if over else ""
     if len(x) == 0:
