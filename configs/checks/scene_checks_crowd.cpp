@@ -30,8 +30,8 @@ std::string words(double x, double z) {
     return "(x " + short_number(x) + " m, z " + short_number(z) + " m)";
 }
 
-void check_site(double x, double z, const Scene& scene, const std::string& who, const std::string& source,
-                const std::string& pointer) {
+void check_place(double x, double z, const Scene& scene, const std::string& who, const std::string& source,
+                 const std::string& pointer) {
     const Interval world_x{0, scene.world->length}, world_z{0, scene.world->width};
     if (!world_x.contains(x) || !world_z.contains(z)) {
         refuse(source, pointer,
@@ -91,8 +91,8 @@ void check_groups(const Scene& scene, const std::string& source, Problems& probl
         problems.attempt([&] { check_count(group, source, pointer + "/count"); });
         if (group.goals == GoalRule::shelters) continue;
         problems.attempt([&] {
-            check_site(goal_in_world(scene, group.goal_x), group.goal_z, scene,
-                       "the goal of group \"" + group.name + "\"", source, pointer + "/goal");
+            check_place(goal_in_world(scene, group.goal_x), group.goal_z, scene,
+                        "the goal of group \"" + group.name + "\"", source, pointer + "/goal");
         });
     }
 }
@@ -114,8 +114,8 @@ void check_starts(const std::vector<StartPlace>& places, const Scene& scene, con
     for (std::size_t i = 0; i < places.size(); ++i) {
         if (told.contains(places[i].group)) continue;
         const bool right = problems.attempt([&] {
-            check_site(places[i].x, places[i].z, scene, "agent " + std::to_string(i), source,
-                       "/crowd/groups/" + std::to_string(places[i].group) + "/start");
+            check_place(places[i].x, places[i].z, scene, "agent " + std::to_string(i), source,
+                        "/crowd/groups/" + std::to_string(places[i].group) + "/start");
         });
         if (!right) told.insert(places[i].group);
     }

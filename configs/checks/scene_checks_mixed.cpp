@@ -12,7 +12,7 @@ namespace wade {
 
 namespace {
 
-void check_site(const Scene& scene, const std::string& source) {
+void check_place(const Scene& scene, const std::string& source) {
     const MixedWindow& mixed = scene.fluid->mixed;
     const Interval& channel = scene.channel->x;
     if (mixed.x_min.has_value() != mixed.x_max.has_value()) {
@@ -54,7 +54,7 @@ void check_mixed(const Scene& scene, const std::string& source) {
                    std::to_string(scene.channel->bed_points.size()) +
                    "; allowed: none, or the models \"dfsph\" and \"shallow_water\".");
     }
-    check_site(scene, source);
+    check_place(scene, source);
     check_room(scene, source);
     if (scene.coupling->agents_stream == AgentsStream::off && mixed_needs_agents(scene)) {
         refuse(source, "/fluid/model",

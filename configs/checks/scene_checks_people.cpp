@@ -59,9 +59,9 @@ void check_needs_of_site(const Scene& scene, const AgentGroup& group, const std:
                          const std::string& pointer) {
     const bool in_houses = group.starts == StartRule::houses, to_shelters = group.goals == GoalRule::shelters;
     if (!scene.site && in_houses)
-        refuse(source, pointer + "/start/from", "\"houses\": the scene has no place; allowed: \"grid\", or /site.");
+        refuse(source, pointer + "/start/from", "\"houses\": the scene has no site; allowed: \"grid\", or /site.");
     if (!scene.site && to_shelters)
-        refuse(source, pointer + "/goal/to", "\"shelters\": the scene has no place; allowed: \"point\", or /site.");
+        refuse(source, pointer + "/goal/to", "\"shelters\": the scene has no site; allowed: \"point\", or /site.");
     if (to_shelters && scene.site->shelters.empty() && !scene.crowd->navigation.safe_above)
         refuse(source, pointer + "/goal/to",
                "\"shelters\": the site has none; allowed: /site/shelters, /crowd/navigation/safe_above_m, or "
@@ -112,7 +112,7 @@ void check_table_of_residents(const Scene& scene, const std::string& source) {
     }
 }
 
-// Whether those who live in the place have a group.
+// Whether those who live in the site have a group.
 void check_lodgers(const Scene& scene, const std::string& source, Problems& problems) {
     const Site& site = *scene.site;
     std::int64_t in_houses = 0;

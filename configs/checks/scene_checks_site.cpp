@@ -1,4 +1,4 @@
-// Whether a place can be flooded and walked on: ground under all of it, houses that are houses, water that falls on the ground.
+// Whether a site can be flooded and walked on: ground under all of it, houses that are houses, water that falls on the ground.
 
 #include <algorithm>
 #include <array>
@@ -216,7 +216,7 @@ void check_in_world(const MapPolygon& polygon, const MapLine& line, const Limits
     for (const MapPoint& p : line) box.take(p);
     if (!box.meets({{0, length}, {0, width}}))
         refuse_shape(source, label,
-                     "it lies outside the place, at " + at_words(box.x.lo, box.z.lo) + "; allowed: x 0 to " +
+                     "it lies outside the site, at " + at_words(box.x.lo, box.z.lo) + "; allowed: x 0 to " +
                          short_number(length) + " m, z 0 to " + short_number(width) +
                          " m. Remedy: tools/wade site import crops files to the ground; or is its coordinate system "
                          "another one?");

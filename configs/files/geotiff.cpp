@@ -124,7 +124,7 @@ class TiffReader {
         read_layout();
         refuse_metadata();
         read_keys(file);
-        read_site(file.raster);
+        read_place(file.raster);
         read_values(file.raster);
         return file;
     }
@@ -239,7 +239,7 @@ class TiffReader {
         file.epsg = projected;
     }
 
-    void read_site(Raster& raster) {
+    void read_place(Raster& raster) {
         std::vector<double> scale = doubles(tag_scale);
         const std::vector<double> tie = doubles(tag_tie_point), matrix = doubles(tag_matrix);
         double column = 0, row = 0, x = 0, z = 0;

@@ -59,11 +59,11 @@ void note_if_unused(const std::string& key, const Json& crowd, const std::string
                   " has no effect, as every group sets its own; set /crowd/groups/0/" + key + " instead.");
 }
 
-// A place stands for the channel and what is in it. A scene that was printed holds the channel that its place makes, a closed
+// A site stands for the channel and what is in it. A scene that was printed holds the channel that its site makes, a closed
 // one; of any other nothing more needs to be said.
 void note_beside_site(const std::string& key, const std::string& source, Problems& problems) {
     problems.note(source + ": /" + key +
-                  ": a place stands instead of the channel and its obstacles; allowed: none beside /site, also in the "
+                  ": a site stands instead of the channel and its obstacles; allowed: none beside /site, also in the "
                   "scenes that it extends. Houses are /site/houses.");
 }
 void drop_channel_beside_site(Json& document, const std::string& source, Problems& problems) {

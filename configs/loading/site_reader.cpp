@@ -197,7 +197,7 @@ class SiteReader {
         if (!epsg || *epsg == site_.epsg || keys_.epsg == 0) return;
         const std::string system = name + ": it is in EPSG:" + std::to_string(*epsg);
         if (site_.epsg == 0)
-            throw ConfigurationError(system + ", and the place names no system. Remedy: set /site/epsg.");
+            throw ConfigurationError(system + ", and the site names no system. Remedy: set /site/epsg.");
         throw ConfigurationError(system + ", and the site is in EPSG:" + std::to_string(site_.epsg) +
                                  ". Remedy: tools/wade site import FILE --epsg " + std::to_string(site_.epsg) +
                                  " --out DIR reprojects it.");

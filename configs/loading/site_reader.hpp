@@ -1,5 +1,5 @@
 #pragma once
-// From the keys of a site and the files that they name to a place.
+// From the keys of a site and the files that they name to a Site.
 
 #include <string>
 
@@ -8,12 +8,12 @@
 
 namespace wade {
 
-// What a scene sets itself, and is not to be taken from its place.
+// What a scene sets itself, and is not to be taken from its site.
 struct SetByScene {
     bool length = false, width = false, model = false, ways_cell = false;
 };
 
-// Reads what /site of `scene` names and fills scene.place, the extent of the world and cells of ways where the scene sets
+// Reads what /site of `scene` names and fills scene.site, the extent of the world and cells of ways where the scene sets
 // none, and a closed channel of that extent. Notes what is wrong with key, file, feature, value and remedy; `source` names the scene.
 void read_site(Scene& scene, const SetByScene& set, const std::string& source, Problems& problems);
 

@@ -51,7 +51,7 @@ struct Scene {
     bool stop_when_no_agent_is_active = true;
     int lockstep_depth = 2;  // frames the fluid may be ahead of the crowd, 1 to 3
     Part<World> world;
-    Part<Channel> channel;              // of a scene with a place: closed, of the world's size, and nothing else
+    Part<Channel> channel;              // of a scene with a site: closed, of the world's size, and nothing else
     std::optional<SiteKeys> site_keys;  // as the file says it
     std::optional<Site> site;           // the same with what its files hold, instead of the channel
     std::vector<Obstacle> obstacles;

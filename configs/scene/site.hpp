@@ -1,5 +1,5 @@
 #pragma once
-// A place: ground of any shape with houses, sources and outlets on it, in place of the straight channel.
+// A site: ground of any shape with houses, sources and outlets on it, in place of the straight channel.
 //
 // Lengths are metres on the map: x runs east, z north, both from the scene's origin, which lies at (origin_x, origin_z) of the
 // coordinate system; y is the height above the system's zero. Rasters, polygons and series that a scene names as files are
@@ -161,7 +161,7 @@ struct SiteShelter {
     MapPolygon polygon;
     int capacity = 0;  // people; 0: any number
     std::string label{};
-    bool is_exit = false;  // who gets there has left the place
+    bool is_exit = false;  // who gets there has left the site
 };
 
 struct Resident;  // somebody of a table (scene.hpp)

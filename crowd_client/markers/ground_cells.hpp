@@ -14,7 +14,7 @@ struct GroundCells {
     std::size_t columns = 1, rows = 1;
 
     [[nodiscard]] std::size_t cells() const { return columns * rows; }
-    // The cell of a site, or cells() if it lies in none.
+    // The cell of a position, or cells() if it lies in none.
     [[nodiscard]] std::size_t cell_of(double x, double z) const {
         const double c = std::floor((x - x0) / step_x), r = std::floor((z - z0) / step_z);
         const bool inside = c >= 0 && c < static_cast<double>(columns) && r >= 0 && r < static_cast<double>(rows);

@@ -2,7 +2,7 @@
 // Houses of any ground plan, found by where they stand.
 //
 // The sides of the ground plans are listed in the cells of an index (placed_boxes.hpp), long ones in pieces, so that whoever looks
-// near a house meets the sides that are there and no others. Obstacles of a scene with a place are houses, too.
+// near a house meets the sides that are there and no others. Obstacles of a scene with a site are houses, too.
 
 #include <cstddef>
 #include <cstdint>
@@ -51,7 +51,7 @@ struct PlacedHouses {
 
 [[nodiscard]] PlacedHouses place_houses(std::vector<MapPolygon> plans);
 
-// The houses of the scene's place, and its obstacles; none without a site.
+// The houses of the scene's site, and its obstacles; none without a site.
 [[nodiscard]] PlacedHouses houses_of(const Scene& scene);
 
 [[nodiscard]] bool is_in_a_house(const PlacedHouses& houses, const Vector2d& p);

@@ -12,7 +12,7 @@
 namespace wade::crowd {
 namespace {
 
-constexpr std::array<std::string_view, 3> options_of_site{"--out", "--session", "--commands"};
+constexpr std::array<std::string_view, 3> options_of_place{"--out", "--session", "--commands"};
 
 std::string utc_now() {
     const std::time_t now = std::time(nullptr);
@@ -29,7 +29,7 @@ std::string host_name() {
 }
 
 bool names_a_place(std::string_view option) {
-    return std::find(options_of_site.begin(), options_of_site.end(), option) != options_of_site.end();
+    return std::find(options_of_place.begin(), options_of_place.end(), option) != options_of_place.end();
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ std::string guess(const Box& found, const Box& expected) {
     return "";
 }
 
-// Heights at which a place may have water: from its lowest ground to 100 m above its highest [A].
+// Heights at which a site may have water: from its lowest ground to 100 m above its highest [A].
 Interval heights_of(const Ground& ground, const World& world) {
     std::vector<double> heights;
     if (ground.raster) {

@@ -27,7 +27,7 @@ void note_water_met(Agents& agents, const Scene& scene, std::span<const std::uin
 // Mean of tau over the same steps, [0, 1]; 0 if there were none.
 [[nodiscard]] double mean_tau_met(const Agents& agents, std::size_t id);
 
-// Share of the 2 x 2 m cell of a site that is in the channel, (0, 1]; 0 if the place itself is not.
+// Share of the 2 x 2 m cell of a position that is in the channel, (0, 1]; 0 if the position itself is not.
 [[nodiscard]] double channel_share(const Channel& channel, const Vector2d& place);
 
 }  // namespace wade::crowd

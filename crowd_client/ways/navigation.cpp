@@ -284,7 +284,7 @@ void finish_grid(Navigation& navigation, const Scene& scene) {
         close_box(navigation.grid, grown(box, navigation.sight.clearance));
     }
     close_houses(navigation.grid, navigation.sight.houses, navigation.sight.clearance);
-    // From the cell of a site within the clearance to the nodes outside it, and one on.
+    // From the cell of a position within the clearance to the nodes outside it, and one on.
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
     constexpr int most_reach = 31;

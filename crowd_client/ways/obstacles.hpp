@@ -24,7 +24,7 @@
 namespace wade::crowd {
 
 // Obstacles as agents meet them, each face moved outwards by `skin` so that boxes that touch leave no gap. Those of a
-// periodic world stand there three times, a world's length apart. Those of a scene with a place are among its houses.
+// periodic world stand there three times, a world's length apart. Those of a scene with a site are among its houses.
 struct Walls {
     static constexpr double skin = 1e-6;  // m
 

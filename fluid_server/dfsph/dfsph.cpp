@@ -299,7 +299,7 @@ SolveResult PressureSolver::solve(const PressureSystem& system, const Task& task
 }
 
 // W13.
-bool PressureSolver::site_long_waves(const Particles& p, const PressureSolve& settings) {
+bool PressureSolver::place_long_waves(const Particles& p, const PressureSolve& settings) {
     const bool is_deep = !confined_ && layers_ > one_level_up_to && long_waves_.fits() && settings.max_iterations > 0;
     if (!is_deep || !long_waves_.place(p)) return false;
     for (std::vector<float>* const v : {&may_change_, &residual_, &found_}) v->resize(p.x.size());
@@ -357,7 +357,7 @@ SolveResult PressureSolver::solve_divergence(const PressureSystem& system, float
         const float gap = std::min(0.0F, f.density[i] - 1);
         return f.density[i] < open_surface_density_ ? -1 : dt * rate + closing * gap;
     };
-    const bool two_levels = site_long_waves(system.particles, settings);
+    const bool two_levels = place_long_waves(system.particles, settings);
     const double shallow = std::min(1.0, usual_layers / layers_);
     const double tolerance = two_levels ? std::min(settings.tolerance, largest_tolerance) : settings.tolerance;
     const auto tolerance_by = [&](double layers) { return tolerance * (static_cast<double>(step_share) * layers); };

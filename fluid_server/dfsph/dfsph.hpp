@@ -134,7 +134,7 @@ class PressureSolver {
     // The long waves of a divergence solve: whether there are any, what they are made of, and how they change found_. The last returns
     // their share of the compression that is left, summed over particles.
     using BlockOf = std::array<float, block_size>;  // one number for each particle of a block
-    bool site_long_waves(const Particles& particles, const PressureSolve& settings);
+    bool place_long_waves(const Particles& particles, const PressureSolve& settings);
     void note_for_long_waves(const Particles& particles, std::size_t begin, std::size_t end, bool first,
                              const BlockOf& errors, const BlockOf& found);
     void build_long_waves(const PressureSystem& system);

@@ -72,7 +72,7 @@ DfsphModel::DfsphModel(const Scene& scene)
         ground[c] = ground_({columns_->x().lo + (static_cast<double>(column) + 0.5) * dx,
                              columns_->z().lo + (static_cast<double>(row) + 0.5) * dz});
     }
-    site_gauges(*maps_, *scene.site, ground);
+    place_gauges(*maps_, *scene.site, ground);
 }
 
 std::uint32_t DfsphModel::capacity() const {

@@ -22,7 +22,7 @@ constexpr float no_value_here = std::numeric_limits<float>::quiet_NaN();
 class MapWriter {
  public:
     MapWriter(const FloodMaps& maps, const Site& site, const std::filesystem::path& folder)
-        : maps_(maps), place_(site), folder_(folder / "maps"), values_(maps.depth.size()) {
+        : maps_(maps), site_(site), folder_(folder / "maps"), values_(maps.depth.size()) {
         std::filesystem::create_directories(folder_);
     }
 
@@ -32,13 +32,13 @@ class MapWriter {
         for (std::size_t k = 0; k < values_.size(); ++k) values_[k] = maps_.wall[k] ? no_value_here : value(k);
         const MapGrid& grid = maps_.grid;
         const MapImage image{
-            grid.x + place_.origin_x, grid.z + place_.origin_z, grid.dx, grid.dz, grid.columns, grid.rows, values_};
-        write_geotiff(folder_ / name, image, place_.epsg);
+            grid.x + site_.origin_x, grid.z + site_.origin_z, grid.dx, grid.dz, grid.columns, grid.rows, values_};
+        write_geotiff(folder_ / name, image, site_.epsg);
     }
 
  private:
     const FloodMaps& maps_;
-    const Site& place_;
+    const Site& site_;
     std::filesystem::path folder_;
     std::vector<float> values_;
 };
@@ -108,7 +108,7 @@ void add_row(FloodMaps& maps, std::size_t row, double time, const double* h, con
     }
 }
 
-void site_gauges(FloodMaps& maps, const Site& site, const std::vector<double>& ground) {
+void place_gauges(FloodMaps& maps, const Site& site, const std::vector<double>& ground) {
     const MapGrid& grid = maps.grid;
     for (const Gauge& gauge : site.gauges) {
         constexpr double reach = 2;  // cells

@@ -47,7 +47,7 @@ struct FloodMaps {
 
 // Sets the gauges of a site up, once the walls are known; `ground`: its height, m, by cell as in the maps. Throws
 // ConfigurationError if there are walls alone where a gauge is.
-void site_gauges(FloodMaps& maps, const Site& site, const std::vector<double>& ground);
+void place_gauges(FloodMaps& maps, const Site& site, const std::vector<double>& ground);
 
 // Adds the water of a row at a time, s: depth, m, and velocity, m/s, of its cells. The discharge of gauges is their product; a
 // model that knows the flux through faces writes that in its place.

@@ -34,7 +34,7 @@ namespace wade::fluid {
 
 inline constexpr std::size_t longest_path = 3;  // walls
 
-// Walls of the place that may stand in the way of a path near a cluster, and their edges.
+// Walls of the site that may stand in the way of a path near a cluster, and their edges.
 struct Obstruction {
     static constexpr std::size_t most = 64;  // of either
     struct Edge {

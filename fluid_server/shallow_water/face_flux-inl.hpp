@@ -177,7 +177,7 @@ inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_
         } else {
             find_waves<true>(m, constants, faces);
         }
-        const auto combine = open != nullptr        ? combine_fluxes<true, true>  // of places alone, where films rest
+        const auto combine = open != nullptr        ? combine_fluxes<true, true>  // of sites alone, where films rest
                              : constants.films_rest ? combine_fluxes<true, false>
                                                     : combine_fluxes<false, false>;
         combine(l, dl, r, dr, open != nullptr ? open + i : nullptr, m, constants, faces,

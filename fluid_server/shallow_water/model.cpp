@@ -99,7 +99,7 @@ void ShallowWaterModel::begin_maps() {
         maps_->wall[k] = world_.openings.share_of(c) < 0.5;
         ground[k] = world_.bed.height[c];
     }
-    site_gauges(*maps_, *world_.scene.site, ground);
+    place_gauges(*maps_, *world_.scene.site, ground);
     for (const GaugeRecord& gauge : maps_->gauges) world_.gauged.push_back({gauge.row, gauge.column});
 }
 

@@ -275,7 +275,7 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
             if (!driven && !world.site) update_active(world);
         });
     }
-    if (world.site) stage(Stage::place, [&] { change_site(world, pushed, report); });
+    if (world.site) stage(Stage::site, [&] { change_site(world, pushed, report); });
     if (driven) stage(Stage::drive, [&] { drive(world, driven_by, report); });
     world.time += report.dt;
     return report;

@@ -34,7 +34,7 @@ enum class Stage : std::size_t {
     update,  // both Euler steps, on a site Hancock's one; taken anew with half the time where a depth became negative
     flow,    // what passed the watched faces
     people,  // take their impulses
-    place,   // gets and loses water, and finds its wet cells
+    site,    // gets and loses water, and finds its wet cells
     drive    // of a recirculating channel
 };
 inline constexpr std::array<std::string_view, 6> stage_names{"time_step", "update", "flow", "people", "site", "drive"};

@@ -111,7 +111,7 @@ struct SiteKind {
     const char* name;
     bool houses;
 };
-constexpr SiteKind site_kinds[] = {{"shallow_water/place_houses", true}, {"shallow_water/site_open", false}};
+constexpr SiteKind site_kinds[] = {{"shallow_water/site_houses", true}, {"shallow_water/site_open", false}};
 constexpr double filled_after = 240;  // s of the flood
 
 std::size_t wet_cells(const swe::ShallowWater& world) {

@@ -50,7 +50,7 @@ class Memcpy final : public Transport {
     Payload slot_;
 };
 
-enum class Hand { copy, in_site };
+enum class Hand { copy, in_place };
 
 class SharedMemory final : public Transport {
  public:
@@ -241,7 +241,7 @@ std::vector<std::string> transport_names() {
 
 std::unique_ptr<Transport> make_transport(const std::string& name, std::uint32_t n) {
     if (name == "memcpy") return std::make_unique<Memcpy>(n);
-    if (name == "wade in place") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::in_site, false);
+    if (name == "wade in place") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::in_place, false);
     if (name == "wade unchecked") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::copy, false);
     if (name == "wade") return std::make_unique<SharedMemory>(unique_name("shm"), n, Hand::copy, true);
     if (name == "unix socket") return std::make_unique<UnixSocket>(n);

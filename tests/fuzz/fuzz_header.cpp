@@ -38,7 +38,7 @@ void demand_inside_and_apart(const std::vector<Position>& places, Wide room) {
                    "regions are apart");
 }
 
-void check_sites(const SegmentMap& map) {
+void check_places(const SegmentMap& map) {
     const StreamInfo& info = map.info;
     for (const std::uint64_t at : {map.control, map.doorbell, map.consumers, map.descriptors, map.slots})
         demand(at % page_bytes == 0, "regions begin at pages");
@@ -144,7 +144,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         demand(map.consumer_count >= 1 && map.consumer_count <= max_consumers, "1 to 16 consumers");
         demand(map.fields.size() == required_fields(map.info.kind).size(), "every required field has its place");
         check_info(map.info);
-        check_sites(map);
+        check_places(map);
         check_text(map.info.producer_name, name_bytes);
         touch(map);
         if ((data[0] & wade::fuzz::also_round_trip) != 0) check_round_trip(map.info);

@@ -133,13 +133,13 @@ class SiteFiles(unittest.TestCase):
             (self.folder / f"whole_{name}").write_bytes(SOURCES[name])
 
     def scene(self, kind, name):
-        place = {"epsg": 32632, "ground": {"file": name if kind == "raster" else "whole_plain.tif"}}
+        site = {"epsg": 32632, "ground": {"file": name if kind == "raster" else "whole_plain.tif"}}
         if kind == "map":
-            place["houses"] = [{"file": name}]
+            site["houses"] = [{"file": name}]
         if kind == "series":
-            place["outlets"] = [{"line": [[0, 0], [0, 18]], "kind": "stage", "stage_csv": name}]
+            site["outlets"] = [{"line": [[0, 0], [0, 18]], "kind": "stage", "stage_csv": name}]
         file = self.folder / "scene.json"
-        file.write_text(json.dumps({"duration_s": 10, "frame_rate_hz": 2, "site": place, "fluid": {"shallow_water": {"cell_size_m": 2}}}))
+        file.write_text(json.dumps({"duration_s": 10, "frame_rate_hz": 2, "site": site, "fluid": {"shallow_water": {"cell_size_m": 2}}}))
         return file
 
     def assert_cheap(self, usage, what):

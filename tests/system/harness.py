@@ -34,7 +34,7 @@ SAFETY_NET_S = 120
 # A run that lasts until something ends it.
 ENDLESS = ["--until-s", "5000", "--set", "/stop_when_no_agent_is_active=false"]
 
-# A place of 24 x 16 m that is run in a moment.
+# A site of 24 x 16 m that is run in a moment.
 BASIN = {
     "description": "Water beside a slope with a house, which a source fills.", "duration_s": 4, "frame_rate_hz": 10,
     "world": {"length_m": 24, "width_m": 16},

@@ -403,7 +403,7 @@ print("WADE moved", max(abs(b[1] - a[1]) for a, b in zip(*places)) > 1)
 
 class Maps(ExportTest):
     def flooded(self):
-        """A run in a small place and its recording."""
+        """A run in a small site and its recording."""
         scene, run, file = self.folder / "basin.json", self.folder / "flood", self.folder / "flood.wrec"
         scene.write_text(json.dumps(BASIN))
         server = self.start(SERVER, scene, "--session", self.session, "--consumers", "2", "--out", run)

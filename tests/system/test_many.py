@@ -221,9 +221,9 @@ echo '{{"seed": 1}}'
         self.assertEqual(split_values('1,[2,3],{"a":[4,5]},"x,y",z'), ["1", "[2,3]", '{"a":[4,5]}', '"x,y"', "z"])
         self.assertEqual(varied("/crowd/tau=0.2,paper"), ("/crowd/tau", [0.2, "paper"]))
 
-    def test_the_table_of_places_says_who_is_sheltered_or_indoors(self):
-        row = {"scene": "place/village.json", "status": "completed", "agents": 9, "arrived": 4, "dead": 1, "active": 0}
-        place = {"sheltered": 2, "indoors": 1, "upper_floor": 1}
+    def test_the_table_of_sites_says_who_is_sheltered_or_indoors(self):
+        row = {"scene": "site/village.json", "status": "completed", "agents": 9, "arrived": 4, "dead": 1, "active": 0}
+        site = {"sheltered": 2, "indoors": 1, "upper_floor": 1}
 
         def printed(rows):
             with contextlib.redirect_stdout(io.StringIO()) as told:
@@ -232,7 +232,7 @@ echo '{{"seed": 1}}'
 
         self.assertNotIn("sheltered", printed([row])[0])
         for count in (2, 50):  # a line a run, and the means of a scene
-            head, *_, last = printed([row, *[{**row, **place}] * count])
+            head, *_, last = printed([row, *[{**row, **site}] * count])
             words = dict(zip(head.split(), last.split()))
             self.assertEqual([float(words[key]) for key in ("arrived", "sheltered", "indoors", "upper_floor", "dead")],
                              [4, 2, 1, 1, 1])

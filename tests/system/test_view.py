@@ -247,7 +247,7 @@ class Folders(ViewTest):
         for frame, time in ((40, 4), (79, 7.9), (80, 7.967)):
             self.assertEqual(client.get(get="people", after=frame)[0][4], time)
 
-    def test_a_place_is_described_with_its_ground_and_frames_go_by_their_numbers(self):
+    def test_a_site_is_described_with_its_ground_and_frames_go_by_their_numbers(self):
         folder, scene = self.folder / "run", self.folder / "basin.json"
         folder.mkdir()
         scene.write_text(json.dumps(BASIN))
@@ -260,9 +260,9 @@ class Folders(ViewTest):
         (folder / "poses.csv").write_text("\n".join([head, *rows, ""]))
         program = self.view("--run", folder)
         description = json.loads(self.fetch(program, "/run.json"))
-        place = description["site"]
-        self.assertEqual([house["rings"] for house in place["houses"]], [[[[8, 2], [12, 2], [12, 5], [8, 5]]]])
-        self.assertEqual((place["houses"][0]["height"], len(place["sources"]), place["highest_water"]), (6, 1, 0))
+        site = description["site"]
+        self.assertEqual([house["rings"] for house in site["houses"]], [[[[8, 2], [12, 2], [12, 5], [8, 5]]]])
+        self.assertEqual((site["houses"][0]["height"], len(site["sources"]), site["highest_water"]), (6, 1, 0))
         client = self.connect(program)
         head, (heights,) = client.get(get="ground")
         columns, step = head[7], head[10]
@@ -276,12 +276,12 @@ class Folders(ViewTest):
             self.assertEqual(head[4], frame / 2)
             self.assertEqual([description["states"][int(state)] for state in arrays[3]], words)
 
-    def test_a_place_whose_files_are_gone_is_told(self):
+    def test_a_site_whose_files_are_gone_is_told(self):
         folder = self.folder / "run"
         folder.mkdir()
         (folder / "outcome.json").write_text("{}")
-        place = BASIN["site"] | {"ground": {"file": str(self.folder / "gone.asc")}}
-        (folder / "manifest.json").write_text(json.dumps({"resolved_scene": BASIN | {"site": place}}))
+        site = BASIN["site"] | {"ground": {"file": str(self.folder / "gone.asc")}}
+        (folder / "manifest.json").write_text(json.dumps({"resolved_scene": BASIN | {"site": site}}))
         described = json.loads(self.fetch(self.view("--run", folder), "/run.json"))
         self.assertIn("gone.asc", described["site"]["problem"])
 
@@ -596,10 +596,10 @@ class Page(ViewTest):
         self.assert_ended_well(water, recorder, crowd)
         recorded = self.view("--run", crowd.run.folder, "--recording", recording, three=three)
         ended = self.view("--run", crowd.run.folder, three=three)
-        place = [HAMLET, "--session", f"{self.session}-hamlet", "--set", "/fluid/shallow_water/cell_size_m=4",
-                 "--set", "/crowd/poses/rate_hz=2", "--until-s", "30"]
-        water = self.start(WATER, *place)
-        self.assert_ended_well(water, self.start(CLIENT, *place, "--out", self.folder / "hamlet"))
+        hamlet = [HAMLET, "--session", f"{self.session}-hamlet", "--set", "/fluid/shallow_water/cell_size_m=4",
+                  "--set", "/crowd/poses/rate_hz=2", "--until-s", "30"]
+        water = self.start(WATER, *hamlet)
+        self.assert_ended_well(water, self.start(CLIENT, *hamlet, "--out", self.folder / "hamlet"))
         site = self.view("--run", self.folder / "hamlet", three=three)
         running = {clock: self.waiting_run(clock, three) for clock in ("real_time", "fast")}
         outcome = crowd.run.outcome()
@@ -648,9 +648,9 @@ class Page(ViewTest):
         three = view.modules_folder() / "node_modules" / "three"
         run, scene = self.kept_run(), self.folder / "basin.json"
         scene.write_text(json.dumps(BASIN))
-        place = [f"{word}" for word in (scene, "--session", f"{self.session}-place", "--out", self.folder / "site")]
-        water = self.start(WATER, *place)
-        self.assert_ended_well(water, self.start(CLIENT, *place, "--water-every-s", "1"))
+        basin = [f"{word}" for word in (scene, "--session", f"{self.session}-site", "--out", self.folder / "site")]
+        water = self.start(WATER, *basin)
+        self.assert_ended_well(water, self.start(CLIENT, *basin, "--water-every-s", "1"))
         options = argparse.Namespace(eye=(2, 2, -6), look=(12, 0, 5), colour="depth", width_px=320, height_px=180, panels=False,
                                      rate_hz=5)
         for folder, times in ((run.folder, [1.0, 2.0, 3.0]), (self.folder / "site", [1.0, 2.0, 4.0])):

@@ -26,9 +26,9 @@ constexpr double column_spacings = 2;  // length of a column, spacings: the supp
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // The water flows towards -x, and s counts downstream: s = origin - x.
-using DepthOfSite = std::function<double(double x)>;
+using DepthOfPlace = std::function<double(double x)>;
 
-DepthOfSite depth_over(const BumpFlow& flow, double origin) {
+DepthOfPlace depth_over(const BumpFlow& flow, double origin) {
     return [flow, origin](double x) { return flow.depth(origin - x); };
 }
 
@@ -39,7 +39,7 @@ void start_as(Water& water, const BumpFlow& flow, double origin) {
     });
 }
 
-Curve profile(const Columns& columns, double origin, const DepthOfSite& exact) {
+Curve profile(const Columns& columns, double origin, const DepthOfPlace& exact) {
     Curve depth{"depth", {"s_m", "surface_m", "exact_surface_m", "bed_m"}, {}};
     for (std::size_t k = columns.count(); k-- > 0;) {
         const double x = columns.centre(k);
@@ -59,7 +59,7 @@ Curve discharge_curve(const Columns& columns, double origin, double q) {
 
 // What all three report. `compared`: the range of x in which the ends of the channel are out of reach.
 Result result_of(const Water& water, const Columns& columns, const Cost& cost, const Interval& compared, double origin,
-                 double q, const DepthOfSite& exact) {
+                 double q, const DepthOfPlace& exact) {
     Result result;
     water.note(cost, result);
     result.metrics = {{"depth_l2", depth_error(columns, compared, exact), "1"},

@@ -3,7 +3,7 @@
 namespace wade::validation {
 
 const std::vector<Case>& all_cases() {
-    // The order of the report: rest, free-surface flow, channels, viscous flow, agents, crowd, places.
+    // The order of the report: rest, free-surface flow, channels, viscous flow, agents, crowd, sites.
     static const std::vector<Case> cases{
         column_case(),
         dam_break_case(),

@@ -1,5 +1,5 @@
 #pragma once
-// Small places, turned by any angle, for the tests of shallow water.
+// Small sites, turned by any angle, for the tests of shallow water.
 
 #include <cmath>
 #include <cstddef>

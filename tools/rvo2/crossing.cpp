@@ -49,7 +49,7 @@ double cpu_seconds() {
     return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-RVO::Vector2 read_site() {
+RVO::Vector2 read_place() {
     float x = 0, z = 0;
     std::cin >> x >> z;
     return {x, z};
@@ -59,8 +59,8 @@ Task read_task() {
     Task task;
     std::cin >> task.people >> task.goals >> task.seconds >> task.step >> task.radius >> task.speed >> task.reach;
     for (std::size_t i = 0; std::cin && i < task.people; ++i) {
-        task.start.push_back(read_site());
-        for (std::size_t k = 0; k < task.goals; ++k) task.goal.push_back(read_site());
+        task.start.push_back(read_place());
+        for (std::size_t k = 0; k < task.goals; ++k) task.goal.push_back(read_place());
     }
     if (!std::cin || !(task.step > 0) || task.goals == 0) {
         std::cerr << "crossing: standard input is no task; it is meant for tools/wade bench --rvo2\n";

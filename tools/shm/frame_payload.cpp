@@ -46,13 +46,13 @@ bool decompress(std::span<const std::byte> payload, std::vector<std::byte>& out)
 }
 
 // A quantised frame: mass as float32, velocities as int16, places as uint16.
-constexpr std::size_t velocity_fields = 1, site_fields = 4, quantised_fields = 7;
+constexpr std::size_t velocity_fields = 1, place_fields = 4, quantised_fields = 7;
 constexpr std::size_t quantised_bytes = value_bytes + 3 * sizeof(std::int16_t) + 3 * sizeof(std::uint16_t);
-constexpr double most_velocity_steps = 32767, site_steps = 65535;
+constexpr double most_velocity_steps = 32767, place_steps = 65535;
 
 // Of 24 bits, so that its products with 16 bits are exact and all readers get the same float32.
 float place_step(const Thinning& t, std::size_t axis) {
-    return static_cast<float>((static_cast<double>(t.high[axis]) - static_cast<double>(t.low[axis])) / site_steps);
+    return static_cast<float>((static_cast<double>(t.high[axis]) - static_cast<double>(t.low[axis])) / place_steps);
 }
 
 float place_of(const Thinning& t, std::size_t axis, std::uint16_t steps) {
@@ -121,11 +121,11 @@ std::size_t append_quantised(std::span<const std::span<float>> fields, const Thi
     }
     std::vector<std::uint16_t> places(count);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const auto& field = fields[site_fields + axis];
+        const auto& field = fields[place_fields + axis];
         const double low = thinning.low[axis], step = place_step(thinning, axis);
         for (std::size_t k = 0; k < count; ++k) {
             const double steps = std::nearbyint((static_cast<double>(field[k]) - low) / step);
-            places[k] = static_cast<std::uint16_t>(std::clamp(steps, 0.0, site_steps));
+            places[k] = static_cast<std::uint16_t>(std::clamp(steps, 0.0, place_steps));
             field[k] = place_of(thinning, axis, places[k]);
         }
         at = shuffle(std::span<const std::uint16_t>(places), at);
@@ -166,7 +166,7 @@ bool decode_quantised(std::span<const std::byte> payload, const Thinning& thinni
     std::vector<std::uint16_t> places(count);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         at = unshuffle(at, std::span(places));
-        std::transform(places.begin(), places.end(), fields[site_fields + axis].begin(),
+        std::transform(places.begin(), places.end(), fields[place_fields + axis].begin(),
                        [&](std::uint16_t steps) { return place_of(thinning, axis, steps); });
     }
     return true;

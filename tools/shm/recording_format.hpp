@@ -38,7 +38,7 @@ struct Thinning {
     float interval_s;         // from one frame to the next; 0: every frame
     float low[3], high[3];    // particles with low <= (x, y, z) <= high are in the file; all 0: all are
     float velocity_step_m_s;  // a velocity is this times an int16; 0: places and velocities are not rounded
-    float position_error_m;   // largest distance, along an axis, of a site from where it was
+    float position_error_m;   // largest distance, along an axis, of a position from where it was
 };
 
 inline bool has_box(const Thinning& t) {

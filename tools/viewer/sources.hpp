@@ -1,6 +1,6 @@
 #pragma once
 // Where water and people of the page come from: a session that runs, as one more free-running reader (water.cpp), a recording
-// (water.cpp), or a run folder, while the run goes on, at its end, or after it was killed (run_folder.cpp). And the place that
+// (water.cpp), or a run folder, while the run goes on, at its end, or after it was killed (run_folder.cpp). And the site that
 // it happens in (site.cpp).
 
 #include <atomic>

@@ -258,7 +258,7 @@ class Show {
         return d;
     }
 
-    // The place of the scene, from the files that it names, which may be gone by now: then the page says so.
+    // The site of the scene, from the files that it names, which may be gone by now: then the page says so.
     void read_site(const Json& d) {
         const auto in_text = [](const Json& text) {
             return text.is_string() ? parsed(text.get<std::string>()) : Json();

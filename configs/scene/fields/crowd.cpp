@@ -328,7 +328,7 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
         "start",
         [&] {
             f.choice("from", group.starts,
-                     "grid: on the start grid. houses: those who live in the houses of the place, and those of its "
+                     "grid: on the start grid. houses: those who live in the houses of the site, and those of its "
                      "residents_csv who name this group; the first such group has those who name none. They start "
                      "indoors, or where the table says.");
             std::optional<double> x = group.start_x, z = group.start_z;
@@ -359,7 +359,7 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
         "goal",
         [&] {
             f.choice("to", group.goals,
-                     "point: to one place. shelters: to whichever shelter of the place with room, or high ground "
+                     "point: to one place. shelters: to whichever shelter of the site with room, or high ground "
                      "(/crowd/navigation/safe_above_m), takes the least time.");
             std::optional<double> x = group.goal_x, z = group.goal_z;
             f.acts_only({"with goal/to \"point\"", [&](const Scene&) { return group.goals == GoalRule::point; }}, [&] {

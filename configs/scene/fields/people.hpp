@@ -56,8 +56,8 @@ struct Resident {
     PersonRow person;
 };
 
-enum class StartRule { grid, houses };    // a start grid, or the houses of the place and its table of residents
-enum class GoalRule { point, shelters };  // one place, or the shelters of the place, whichever is reached first
+enum class StartRule { grid, houses };    // a start grid, or the houses of the site and its table of residents
+enum class GoalRule { point, shelters };  // one place, or the shelters of the site, whichever is reached first
 
 // When people leave their houses.
 enum class LeavingRule { at_once, normal, weibull, table, never };

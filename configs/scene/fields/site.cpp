@@ -127,7 +127,7 @@ void fields(ShelterKeys& shelter, Fields& f) {
     f.path("file", shelter.file, "GeoJSON with polygons; their properties name and capacity stand over the keys here.");
     polygon_field(f, shelter.polygon, corners);
     f.whole("capacity", shelter.capacity, "", from(0).to(10000000), "People that it has room for; 0: any number.");
-    f.flag("exit", shelter.is_exit, "Whether who gets there has left the place, and counts as arrived.");
+    f.flag("exit", shelter.is_exit, "Whether people who get there have left the site, and count as arrived.");
 }
 
 void fields(SiteKeys& site, Fields& f) {

@@ -1,6 +1,6 @@
 #pragma once
-// A place as a scene file says it: numbers and points in the scene's metres, and names of files. What the files hold is read by
-// `loading` into a Place (site.hpp).
+// A site as a scene file says it: numbers and points in the scene's metres, and names of files. What the files hold is read by
+// `loading` into a Site (site.hpp).
 
 #include <array>
 #include <optional>

@@ -8,7 +8,7 @@
 namespace wade {
 
 void fields(World& world, Fields& f) {
-    constexpr std::string_view of_raster = "with a place that of its ground's raster";
+    constexpr std::string_view of_raster = "with a site that of its ground's raster";
     f.number("length_m", world.length, "m", above(0).to(1e5),
              "Extent along x. x = 0 is the fall, and who is carried over it is dead, unless the flow of the channel is "
              "closed: then it is a wall.",

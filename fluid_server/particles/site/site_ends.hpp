@@ -1,5 +1,5 @@
 #pragma once
-// What comes to a place and what leaves it, particle by particle.
+// What comes to a site and what leaves it, particle by particle.
 //
 //   N(t) = floor(V(t) / d^3)     particles that a source has made by then, V the integral of its hydrograph
 //

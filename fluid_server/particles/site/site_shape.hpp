@@ -1,5 +1,5 @@
 #pragma once
-// A place as particles meet it: the world's rectangle, houses, gates, and the ground on cells of a few particle spacings.
+// A site as particles meet it: the world's rectangle, houses, gates, and the ground on cells of a few particle spacings.
 //
 // [A] Water does not rise above walls, as in the shallow water: their height is not asked for.
 

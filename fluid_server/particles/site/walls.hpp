@@ -1,5 +1,5 @@
 #pragma once
-// The walls of a place in plan: what separates water from houses, closed gates and the world's closed sides.
+// The walls of a site in plan: what separates water from houses, closed gates and the world's closed sides.
 
 #include <array>
 #include <cstdint>

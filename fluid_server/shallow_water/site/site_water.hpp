@@ -1,5 +1,5 @@
 #pragma once
-// What comes to a place and leaves it: sources, rain, outlets, gates that open.
+// What comes to a site and leaves it: sources, rain, outlets, gates that open.
 //
 // A source adds its volume to its cells, by their area, without momentum; rain adds depth. Over a free outlet water leaves as
 // over a fall: its cells are emptied after each step, so that they are always dry ground for the water beside them.
@@ -40,8 +40,8 @@ struct SiteSource {
 
 struct OutletCell {
     std::size_t cell = 0;
-    double normal_x = 0, normal_z = 0;    // into the place; both 0: of none or of opposite cells
-    std::array<std::size_t, 4> inside{};  // the cells of the place beside it
+    double normal_x = 0, normal_z = 0;    // into the site; both 0: of none or of opposite cells
+    std::array<std::size_t, 4> inside{};  // the cells of the site beside it
     std::size_t count = 0;                // of these
 };
 // Cells of an outlet in a line of a row, see wet_lines.hpp.
@@ -81,7 +81,7 @@ struct Passed {
     bool rained = false;
 };
 
-// The water that a place changes, and what lies under it.
+// The water that a site changes, and what lies under it.
 struct SiteCells {
     const Grid& grid;
     const Bed& bed;

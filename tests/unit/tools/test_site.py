@@ -14,7 +14,7 @@ import time
 import unittest
 from pathlib import Path
 
-from wade import UsageError, place
+from wade import UsageError, site
 from wade.imports import gdal, houses
 from wade.outside import works
 
@@ -43,15 +43,15 @@ class Help(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             (Path(folder) / "a.asc").write_text(GRID)
             with self.assertRaisesRegex(UsageError, "apt-get install gdal-bin"):
-                place.main(["import", str(Path(folder) / "a.asc"), "--out", str(Path(folder) / "out")])
+                site.main(["import", str(Path(folder) / "a.asc"), "--out", str(Path(folder) / "out")])
 
     def test_the_scene_has_frames_often_enough_for_people(self):
-        rate = re.search(r'"frame_rate_hz": ([0-9.]+)', place.scene_text("village", True, 1))
+        rate = re.search(r'"frame_rate_hz": ([0-9.]+)', site.scene_text("village", True, 1))
         self.assertGreaterEqual(float(rate[1]), 2)  # below, both programs warn
 
     def test_another_word_than_import_is_refused(self):
         with contextlib.redirect_stderr(io.StringIO()) as told:
-            self.assertEqual(place.main(["export"]), 2)
+            self.assertEqual(site.main(["export"]), 2)
         self.assertIn("allowed: import", told.getvalue())
 
 
@@ -86,13 +86,13 @@ class Import(unittest.TestCase):
 
     def imported(self, *arguments):
         with contextlib.redirect_stdout(io.StringIO()) as told:
-            self.assertEqual(place.main(["import", *map(str, arguments), "--out", str(self.out)]), 0)
+            self.assertEqual(site.main(["import", *map(str, arguments), "--out", str(self.out)]), 0)
         return told.getvalue()
 
     def test_a_grid_in_the_system_that_is_asked_for_keeps_its_heights(self):
         told = self.imported(self.folder / "ground.asc", self.folder / "houses.geojson", "--epsg", 32632)
         self.assertIn("12 x 12 cells of 2 m, EPSG:32632, west 500000.00 south 5500000.00", told)
-        heights = place.heights_of(self.out / "ground.tif")
+        heights = site.heights_of(self.out / "ground.tif")
         for row in range(CELLS):  # multiples of 1/4, which float32 holds
             for column in range(CELLS):
                 self.assertEqual(heights[row, column], 50 + 0.25 * (CELLS - 1 - row) + 0.5 * column)
@@ -120,13 +120,13 @@ class Import(unittest.TestCase):
         for name, (words, height, word) in of.items():
             told = self.imported(self.made(name, *words))
             self.assertIn(word, told)
-            self.assertAlmostEqual(place.heights_of(self.out / "ground.tif")[-1, -1], height, places=4)
+            self.assertAlmostEqual(site.heights_of(self.out / "ground.tif")[-1, -1], height, places=4)
         feet = self.made("feet.tif", "-a_srs", "EPSG:2263", "-a_ullr", 980000, 190024, 980024, 190000)
         with self.assertRaisesRegex(UsageError, "US survey foot along the map and does not say.*--heights-in"):
             self.imported(feet)
         told = self.imported(feet, "--heights-in", "us-ft")
         self.assertRegex(told, "reprojected from EPSG:2263(.|\n)*heights in us-ft times 0.3048006096")
-        heights = place.heights_of(self.out / "ground.tif")
+        heights = site.heights_of(self.out / "ground.tif")
         self.assertAlmostEqual(heights[heights == heights].max(), 0.3048 * (50 + 0.75 * (CELLS - 1)), delta=0.3048)
         with self.assertRaisesRegex(UsageError, "--epsg 2263 is no projected system in metres"):
             self.imported(self.folder / "ground.asc", "--epsg", 2263)
@@ -140,7 +140,7 @@ class Import(unittest.TestCase):
                         "GDAL_TIFF_INTERNAL_MASK", "YES", self.folder / "two.vrt", masked], check=True)
         told = self.imported(masked)
         self.assertIn("masked cells have no height", told)
-        heights = place.heights_of(self.out / "ground.tif")
+        heights = site.heights_of(self.out / "ground.tif")
         self.assertTrue((heights[:, 0] != heights[:, 0]).all() and (heights[:, 1:] == heights[:, 1:]).all())
 
     def test_an_untagged_number_for_no_data_is_refused_with_a_remedy_that_works(self):
@@ -314,7 +314,7 @@ class Import(unittest.TestCase):
         slow = tools / "gdalwarp"
         slow.write_text(f"#!/bin/sh\nfor last; do :; done\n: > $last\n: > {self.folder}/started\nexec sleep 100\n")
         slow.chmod(0o755)
-        code = "import sys; from wade import site; place.main(sys.argv[1:])"
+        code = "import sys; from wade import site; site.main(sys.argv[1:])"
         running = subprocess.Popen([sys.executable, "-c", code, "import", self.folder / "ground.asc", "--epsg", "32632", "--out", self.out],
                                    env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}", "PYTHONPATH": os.pathsep.join(sys.path)},
                                    stderr=subprocess.DEVNULL, start_new_session=True)
@@ -352,10 +352,10 @@ class Import(unittest.TestCase):
         bands = ["-b", 1, "-b", 1, "-b", 1]
         told = self.imported(self.made("three.tif", *bands))
         self.assertRegex(told, "bands +1 of 1 raster: the first band is read.*3 bands")
-        plain = place.heights_of(self.out / "ground.tif")
+        plain = site.heights_of(self.out / "ground.tif")
         told = self.imported(self.made("alpha.tif", *bands[:4], "-colorinterp_2", "alpha", "-scale_2", 52, 53, 0, 255, "-ot", "Float32"))
         self.assertRegex(told, "mask +1 of 1 raster(.|\n)*no height")
-        heights = place.heights_of(self.out / "ground.tif")
+        heights = site.heights_of(self.out / "ground.tif")
         there = heights == heights
         self.assertTrue(0 < there.sum() < there.size and (heights[there] == plain[there]).all())
         with self.assertRaisesRegex(UsageError, r"rgb.tif is a picture.*\(Red\)"):
@@ -382,7 +382,7 @@ class Import(unittest.TestCase):
             self.assertIn(f"12 x 12 cells of 2 m, EPSG:{epsg}, west {west}.00 south {south}.00", told)
             self.assertRegex(told, "vertical system +1 of 1 raster: left out")
             self.assertNotIn("reprojected", told)
-            self.assertEqual(place.heights_of(self.out / "ground.tif")[-1, 0], 50)
+            self.assertEqual(site.heights_of(self.out / "ground.tif")[-1, 0], 50)
         bound = gdal.System('BOUNDCRS[SOURCECRS[PROJCRS["a ] b",ID["EPSG",31467]]],TARGETCRS[GEOGCRS["WGS 84",ID["EPSG",4326]]]]')
         self.assertEqual((bound.epsg, bound.name, bound.heights), (31467, "EPSG:31467", ""))
 
@@ -396,7 +396,7 @@ class Import(unittest.TestCase):
                        check=True)
         told = self.imported(degrees, "--cell", 1)
         self.assertIn("cells of 1 m, EPSG:32632", told)
-        heights = place.heights_of(self.out / "ground.tif")
+        heights = site.heights_of(self.out / "ground.tif")
         # Two bilinear resamplings of a plane: off by no more than its rise over a cell of the first raster, 0.5 m.
         there = heights[heights == heights]
         self.assertGreater(there.size, 400)
@@ -415,7 +415,7 @@ class Import(unittest.TestCase):
 
     def test_a_crop_keeps_its_part_and_one_beside_the_ground_is_refused(self):
         self.imported(self.folder / "ground.asc", "--epsg", 32632, "--crop", 500004, 5500006, 500014, 5500012)
-        self.assertEqual(place.heights_of(self.out / "ground.tif").shape, (3, 5))
+        self.assertEqual(site.heights_of(self.out / "ground.tif").shape, (3, 5))
         with self.assertRaisesRegex(UsageError, "does --crop lie on it"):
             self.imported(self.folder / "ground.asc", "--epsg", 32632, "--crop", 0, 0, 10, 10)
 

@@ -18,7 +18,7 @@ from wade import UsageError, plain_file
 from wade.ensembles.engines import ENGINES, Signals, still_queued
 from wade.ensembles.ensemble import Ensemble, locked
 from wade.ensembles.folder import fingerprint, read_json, remove_left_overs
-from wade.ensembles.gather import columns_of, gathered, said_of_places
+from wade.ensembles.gather import columns_of, gathered, said_of_sites
 from wade.ensembles.plan import is_plan, seeds_of, varied
 from wade.reports.files import complain
 from wade.reports.options import whole
@@ -224,15 +224,15 @@ def shown(value):
 def say_all(rows, pointers):
     """The table on the terminal: a line a run, or of many runs a line a scene and settings; then who failed."""
     rows = [{**row, "scene": short(row["scene"])} for row in rows]
-    place = said_of_places(rows)
+    of_site = said_of_sites(rows)
     if len(rows) <= MOST_ROWS:
-        columns = [*TABLE[:2], *pointers, *TABLE[2:4], *place, *TABLE[4:]]
+        columns = [*TABLE[:2], *pointers, *TABLE[2:4], *of_site, *TABLE[4:]]
         print(plain(columns, [[shown(row.get(key)) for key in columns] for row in rows]))
     else:
         kinds = {}
         for row in rows:
             kinds.setdefault((row["scene"], *(shown(row.get(key)) for key in pointers)), []).append(row)
-        lines, counts = [], ("agents", "arrived", *place, "dead", "active")
+        lines, counts = [], ("agents", "arrived", *of_site, "dead", "active")
         for kind, own in kinds.items():
             complete = [row for row in own if row["status"] == "completed"]
             means = []

@@ -1,4 +1,4 @@
-"""Makes a place that scenes can use of any terrain, houses and roads that GDAL reads.
+"""Makes a site that scenes can use of any terrain, houses and roads that GDAL reads.
 
 IN are rasters of heights, of which the later ones lie over the earlier ones, and files with polygons of houses. Writes into
 DIR:
@@ -183,7 +183,7 @@ def main(arguments):
     parser = Parser("site import", __doc__)
     parser.add_argument("files", nargs="+", type=pathlib.Path, metavar="IN", help="a raster of heights, or polygons of houses")
     parser.add_argument("--out", type=pathlib.Path, required=True, metavar="DIR", help="folder to write into")
-    parser.add_argument("--epsg", type=int, metavar="N", help="coordinate system of the place, in metres [that of the first "
+    parser.add_argument("--epsg", type=int, metavar="N", help="coordinate system of the site, in metres [that of the first "
                         "raster if it is projected, else its UTM zone]")
     parser.add_argument("--crop", type=float, nargs=4, metavar=("WEST", "SOUTH", "EAST", "NORTH"),
                         help="what to keep, metres of that system [all]")
@@ -197,7 +197,7 @@ def main(arguments):
         if arguments[:1] in (["-h"], ["--help"], []):
             parser.print_help()
             return 0 if arguments else 2
-        say_error(f'place: there is no "{arguments[0]}"; allowed: import')
+        say_error(f'site: there is no "{arguments[0]}"; allowed: import')
         return 2
     options = parser.parse_args(arguments[1:])
     if options.crop and not (options.crop[0] < options.crop[2] and options.crop[1] < options.crop[3]):

@@ -32,7 +32,7 @@ export const faster = (way) => {
   show.speed = +s.value;
 };
 
-/** Whether the page waits for the ground of the run's place before it draws anything. */
+/** Whether the page waits for the ground of the run's site before it draws anything. */
 export const lacksGround = () => Boolean(show.run?.site?.houses && !show.ground);
 
 /** Height of the ground, m. */
@@ -186,7 +186,7 @@ export function showTexts() {
   const s = show.status, end = lastTime(), w = show.water;
   const waterOf = w?.time !== undefined ? `water of ${w.time.toFixed(1)} s${w.message ? `, ${(w.message.count * w.message.stride).toLocaleString('en')} particles${w.message.stride > 1 ? `, every ${w.message.stride}th shown` : ''}` : ', depths only'}` : 'no water yet';
   const bare = s?.people?.frames > 1 && !s.people.poses ? '; paths only, for poses run with --view' : '';
-  const gone = show.run?.site?.problem ? `; the place cannot be shown: ${show.run.site.problem}` : '';
+  const gone = show.run?.site?.problem ? `; the site cannot be shown: ${show.run.site.problem}` : '';
   const cut = `${s?.recorded && !s.recorded.whole ? '; the recording was cut off' : ''}${gone}`;
   showState(stateOfPage(), s?.outcome && s.outcome !== 'running' ? s.outcome : '', `${waterOf}${bare}${cut}${[s?.live?.problem, s?.depths?.problem].filter(Boolean).map((text) => `; ${text}`).join('')}`);
   $('clock').textContent = `${show.time.toFixed(1)} / ${end.toFixed(1)} s`;

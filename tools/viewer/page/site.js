@@ -1,4 +1,4 @@
-// A place: its ground as it rises and falls, houses, shelters, gates, and where water comes in and leaves. And the grid over it or over
+// A site: its ground as it rises and falls, houses, shelters, gates, and where water comes in and leaves. And the grid over it or over
 // a channel that the water is put on.
 
 import * as THREE from 'three';

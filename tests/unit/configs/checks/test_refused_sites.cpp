@@ -1,4 +1,4 @@
-// Places that cannot be flooded or walked on: each with key, file, feature and remedy.
+// Sites that cannot be flooded or walked on: each with key, file, feature and remedy.
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/channel.hpp"
@@ -78,7 +78,7 @@ TEST_CASE("houses that cross themselves, enclose nothing or lie elsewhere are re
     CHECK_THAT(load_or_refusal(R"("houses": [{"polygon": [[2, 2], [4, 2], [6, 2]]}])"),
                Contains("/site/houses/0: its outline has a spike"));
     CHECK_THAT(load_or_refusal(R"("houses": [{"file": "far.geojson"}])"),
-               Contains("far.geojson: feature 0: it lies outside the place"));
+               Contains("far.geojson: feature 0: it lies outside the site"));
     CHECK_THAT(load_or_refusal(R"("houses": [{"polygon": [[2, 2], [6, 2], [6, 6]], "doors": [[2, 6]]}])"),
                Contains("its door at x 2 m, z 6 m is 2.82843 m away"));
     CHECK(
@@ -131,7 +131,7 @@ TEST_CASE("sources on roofs or outside are refused, those that reach the ground 
     CHECK_THAT(refused(R"("polygon": [[3, 3], [5, 3], [5, 5]])"),
                Contains("/site/sources/0: all of it lies on a roof, that of /site/houses/0. Remedy"));
     CHECK_THAT(refused(R"("line": [[3, 3], [5, 5]])"), Contains("on a roof"));
-    CHECK_THAT(refused(R"("line": [[30, 3], [50, 5]])"), Contains("/site/sources/0: it lies outside the place"));
+    CHECK_THAT(refused(R"("line": [[30, 3], [50, 5]])"), Contains("/site/sources/0: it lies outside the site"));
     CHECK(refused(R"("polygon": [[3, 3], [12, 3], [12, 5]])").empty());
     CHECK(refused(R"("line": [[0, 0], [0, 10]])").empty());
     CHECK_THAT(load_or_refusal(R"("outlets": [{"line": [[30, 3], [50, 5]]}])"),

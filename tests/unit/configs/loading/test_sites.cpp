@@ -35,11 +35,11 @@ class Folder {
         folder.write("houses.geojson", houses);
         folder.write("q.csv", "time_s,discharge_m3_s\n0,0\n60,2\n");
     }
-    [[nodiscard]] std::filesystem::path scene(const std::string& place, const std::string& more = "") const {
-        return folder.write("scene.json", R"({"site": )" + place + more + "}");
+    [[nodiscard]] std::filesystem::path scene(const std::string& site, const std::string& more = "") const {
+        return folder.write("scene.json", R"({"site": )" + site + more + "}");
     }
-    [[nodiscard]] std::string refused(const std::string& place, const std::string& more = "") const {
-        return test::refusal_of_file(scene(place, more));
+    [[nodiscard]] std::string refused(const std::string& site, const std::string& more = "") const {
+        return test::refusal_of_file(scene(site, more));
     }
     test::TemporaryFolder folder;
 };
@@ -64,7 +64,7 @@ TEST_CASE("a site without all else: its raster is the world, and the water is sh
     CHECK((raster.x == 0 && raster.z == 0 && raster.at(3, 2) == 10.23));
 }
 
-TEST_CASE("ways of a large place have a million cells unless the scene says how large they are") {
+TEST_CASE("ways of a large site have a million cells unless the scene says how large they are") {
     const auto cell_of = [](const std::string& more) {
         const Folder folder;
         const std::string level = R"({"ground": {"level_m": 0}})";
@@ -123,7 +123,7 @@ TEST_CASE("gauges are points of the scene or of a file, with a name of their own
     CHECK_THAT(refused(R"("gauges": [{"x_m": 3}])"), Contains("/site/gauges/0: allowed: both x_m and z_m, or file"));
     CHECK_THAT(refused(R"("gauges": [{"file": "houses.geojson"}])"), Contains("feature 0 (mill): allowed: points"));
     CHECK_THAT(refused(R"("gates": [{"file": "points.geojson"}])"), Contains("it is a point; allowed: lines"));
-    CHECK_THAT(refused(R"("gauges": [{"x_m": 3, "z_m": 44}])"), Contains("/site/gauges/0: it lies outside the place"));
+    CHECK_THAT(refused(R"("gauges": [{"x_m": 3, "z_m": 44}])"), Contains("/site/gauges/0: it lies outside the site"));
     CHECK_THAT(
         refused(R"("gauges": [{"x_m": 3, "z_m": 3}], "houses": [{"polygon": [[2, 2], [4, 2], [4, 4], [2, 4]]}])"),
         Contains("1 at x 3 m, z 3 m is in the house /site/houses/0"));
@@ -131,22 +131,22 @@ TEST_CASE("gauges are points of the scene or of a file, with a name of their own
                Contains("a is the name of another gauge, too"));
 }
 
-TEST_CASE("water and zones outside the place, or that cross themselves, are refused as houses are") {
+TEST_CASE("water and zones outside the site, or that cross themselves, are refused as houses are") {
     const Folder folder;
     const auto refused = [&](const std::string& more) { return folder.refused(ground + ", " + more + "}"); };
     CHECK_THAT(refused(R"("water": [{"polygon": [[90, 0], [95, 0], [95, 5]], "level_m": 11}])"),
-               Contains("/site/water/0: it lies outside the place"));
+               Contains("/site/water/0: it lies outside the site"));
     CHECK_THAT(refused(R"("water": [{"polygon": [[0, 0], [5, 5], [5, 0], [0, 4]], "level_m": 11}])"),
                Contains("/site/water/0: its outline crosses or touches itself"));
     CHECK_THAT(refused(R"("manning": {"zones": [{"polygon": [[90, 0], [95, 0], [95, 5]], "n": 0.1}]})"),
-               Contains("/site/manning/zones/0: it lies outside the place"));
+               Contains("/site/manning/zones/0: it lies outside the site"));
 }
 
 TEST_CASE("paths are relative to the file that names them, also in a scene that is extended and one that is printed") {
     const Folder folder;
-    folder.folder.write("place/ground.asc", grid);
-    folder.folder.write("place/base.json", R"({"site": {"epsg": 32756, "ground": {"file": "ground.asc"}}})");
-    const auto scene = folder.folder.write("scenes/own.json", R"({"extends": "../place/base.json", "name": "own"})");
+    folder.folder.write("site/ground.asc", grid);
+    folder.folder.write("site/base.json", R"({"site": {"epsg": 32756, "ground": {"file": "ground.asc"}}})");
+    const auto scene = folder.folder.write("scenes/own.json", R"({"extends": "../site/base.json", "name": "own"})");
     const wade::LoadedScene loaded = wade::load_scene(scene);
     const auto printed = folder.folder.write("elsewhere/printed.json", loaded.canonical_json);
     const wade::LoadedScene again = wade::load_scene(printed);
@@ -159,12 +159,12 @@ TEST_CASE("paths are relative to the file that names them, also in a scene that 
 
 TEST_CASE("the hash of a scene knows the contents of its files, not where they lie") {
     const Folder one, other;
-    const std::string place = ground + R"(, "houses": [{"file": "houses.geojson"}]})";
-    const auto hash = wade::load_scene(one.scene(place)).scene.hash;
-    CHECK(wade::load_scene(other.scene(place)).scene.hash == hash);
+    const std::string site = ground + R"(, "houses": [{"file": "houses.geojson"}]})";
+    const auto hash = wade::load_scene(one.scene(site)).scene.hash;
+    CHECK(wade::load_scene(other.scene(site)).scene.hash == hash);
     std::string higher = grid;
     other.folder.write("ground.asc", higher.replace(higher.find("10.23"), 5, "10.24"));
-    CHECK(wade::load_scene(other.scene(place)).scene.hash != hash);
+    CHECK(wade::load_scene(other.scene(site)).scene.hash != hash);
 }
 
 TEST_CASE("a path of --set is relative to where the program runs") {
@@ -198,7 +198,7 @@ TEST_CASE("what does not go together on a site is named with key, file and remed
     CHECK_THAT(folder.refused(R"({"epsg": 32756, "ground": {"file": "ground.asc", "level_m": 2}})"),
                Contains("allowed: one of them"));
     CHECK_THAT(folder.refused(ground + "}", R"(, "channel": {"depth_m": 2})"),
-               Contains("/channel: a place stands instead"));
+               Contains("/channel: a site stands instead"));
     CHECK_THAT(refused(R"("houses": [{"polygon": [[0, 0], [1, 1]]}])"), Contains("/site/houses/0/polygon: 2 corners"));
     CHECK_THAT(refused(R"("houses": [{"name": "a"}])"),
                Contains("/site/houses/0: it has no place; allowed: one of polygon or file"));

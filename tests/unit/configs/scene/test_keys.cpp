@@ -48,7 +48,7 @@ const Json everything = Json::parse(R"({
     "events": [{"frame": 3, "agent": 1, "tau": 0.5}, {"time_s": 3, "group": "sets", "tau": 0.6}]
 })");
 
-// The same with a place.
+// The same with a site.
 const Json everything_on_a_site = [] {
     Json document = everything;
     document["site"] = Json::parse(R"({

@@ -35,7 +35,7 @@ Vector2d turned(const Vector2d& p, double degrees, const Vector2d& about) {
     return about + Vector2d(std::cos(a) * r.x() - std::sin(a) * r.y(), std::sin(a) * r.x() + std::cos(a) * r.y());
 }
 
-Scene place_of(double length, double width, const std::vector<Plan>& plans) {
+Scene site_of(double length, double width, const std::vector<Plan>& plans) {
     Scene scene = dry_scene(length, width);
     scene.site.emplace();
     for (const Plan& plan : plans) scene.site->houses.emplace_back().polygon = polygon_of(plan);
@@ -65,7 +65,7 @@ std::vector<Plan> odd_houses() {
 constexpr Interval ends_of_world{0, 100};
 
 TEST_CASE("No step, however long and wherever it starts, ends in a house of any plan or crosses one") {
-    const Scene scene = place_of(100, 50, odd_houses());
+    const Scene scene = site_of(100, 50, odd_houses());
     const Walls walls = make_walls(scene);
     for (std::uint64_t run = 0; run < 150; ++run) {
         Vector2d p(100 * counter_uniform(1, run, 0), 50 * counter_uniform(1, run, 1));
@@ -87,7 +87,7 @@ TEST_CASE("No step, however long and wherever it starts, ends in a house of any 
 TEST_CASE("A step into a side at an angle slides along it, and on past its corner") {
     Plan plan;
     for (const Vector2d& p : rectangle(40, 60, 20, 30)) plan.push_back(turned(p, 30, {40, 20}));
-    const Walls walls = make_walls(place_of(100, 50, {plan}));
+    const Walls walls = make_walls(site_of(100, 50, {plan}));
     const Vector2d along(std::cos(std::numbers::pi / 6), 0.5), outward(0.5, -std::cos(std::numbers::pi / 6));
     const Vector2d start = Vector2d(40, 20) + 5 * along + outward;
     const Vector2d end = slide(walls, start, 3 * along - 4 * outward, ends_of_world);
@@ -99,7 +99,7 @@ TEST_CASE("A step into a side at an angle slides along it, and on past its corne
 }
 
 TEST_CASE("Walls of touching houses are slid along without a stop at the seam") {
-    const Walls walls = make_walls(place_of(100, 50, odd_houses()));
+    const Walls walls = make_walls(site_of(100, 50, odd_houses()));
     const Vector2d along = turned({1, 0}, 17, {0, 0}), outward = turned({0, -1}, 17, {0, 0});
     const Vector2d seam = turned({30, 18}, 17, {30, 22});
     const Vector2d end = slide(walls, seam - 2 * along + 0.01 * outward, 4 * along - outward, ends_of_world);
@@ -108,7 +108,7 @@ TEST_CASE("Walls of touching houses are slid along without a stop at the seam") 
 
 TEST_CASE("A house that is a rectangle along the axes stops, hides and feels as the box does") {
     Scene boxed = dry_scene(100, 50, {{{40, 50}, {20, 30}, 1}});
-    Scene built = place_of(100, 50, {rectangle(40, 50, 20, 30)});
+    Scene built = site_of(100, 50, {rectangle(40, 50, 20, 30)});
     built.fluid->shallow_water.cell_size = boxed.fluid->particle_spacing;  // so that both feel as far
     const Walls box = make_walls(boxed), house = make_walls(built);
     const Feeling felt_box = make_feeling(boxed), felt_house = make_feeling(built);
@@ -133,8 +133,8 @@ TEST_CASE("A house that is a rectangle along the axes stops, hides and feels as 
 TEST_CASE("The ground that a turned house leaves is that of the straight one") {
     Plan plan;
     for (const Vector2d& p : rectangle(40, 60, 20, 30)) plan.push_back(turned(p, 33, {40, 20}));
-    const Feeling straight = make_feeling(place_of(100, 60, {rectangle(40, 60, 20, 30)}));
-    const Feeling at_angle = make_feeling(place_of(100, 60, {plan}));
+    const Feeling straight = make_feeling(site_of(100, 60, {rectangle(40, 60, 20, 30)}));
+    const Feeling at_angle = make_feeling(site_of(100, 60, {plan}));
     for (const Vector2d& p : {Vector2d(39.8, 25), Vector2d(50, 19.7), Vector2d(39.9, 19.9), Vector2d(60.2, 24)}) {
         // Lines across a turned side have a kink where it cuts the rim, which the rule of four points rounds by some per mille.
         CHECK(open_ground(at_angle, turned(p, 33, {40, 20})) == Approx(open_ground(straight, p)).epsilon(0.004));
@@ -142,7 +142,7 @@ TEST_CASE("The ground that a turned house leaves is that of the straight one") {
 }
 
 TEST_CASE("No markers stand in a turned house, and all beside it") {
-    Scene scene = place_of(30, 30, {});
+    Scene scene = site_of(30, 30, {});
     Plan plan;
     for (const Vector2d& p : rectangle(10, 20, 12, 18)) plan.push_back(turned(p, 30, {15, 15}));
     scene.site->houses.emplace_back().polygon = polygon_of(plan);
@@ -176,7 +176,7 @@ TEST_CASE("Bodies in a street turned by 30 degrees touch no wall and walk as fas
         Plan below, above;
         for (const Vector2d& p : rectangle(20, 60, 20, 28)) below.push_back(turned(p, degrees, {40, 30}));
         for (const Vector2d& p : rectangle(20, 60, 32, 40)) above.push_back(turned(p, degrees, {40, 30}));
-        Scene scene = place_of(80, 60, {below, above});
+        Scene scene = site_of(80, 60, {below, above});
         scene.crowd->bodies = rule;
         scene.crowd->markers = MarkerRule::redrawn;
         for (int row = 0; row < 4; ++row) {

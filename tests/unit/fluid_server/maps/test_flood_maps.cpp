@@ -47,7 +47,7 @@ TEST_CASE("gauges read the nearest cell that is no wall, and are written a row a
     maps.wall[6] = true;
     Site site;
     site.gauges = {{"mill, old", {5.9, 4}, ""}, {"2", {1, 1}, ""}};  // the first one in the wall, near its right side
-    site_gauges(maps, site, {5, 5, 5, 5, 10, 11, 12, 13});
+    place_gauges(maps, site, {5, 5, 5, 5, 10, 11, 12, 13});
     REQUIRE(maps.gauges.size() == 2);
     CHECK((maps.gauges[0].row == 1 && maps.gauges[0].column == 3 && maps.gauges[0].ground == 13));
     CHECK((maps.gauges[1].row == 0 && maps.gauges[1].column == 0));
@@ -63,7 +63,7 @@ TEST_CASE("gauges read the nearest cell that is no wall, and are written a row a
           "0.5,\"mill, old\",0,13,-1.5,2,-0,0\n0.5,2,0,5,0,0,0,0\n"
           "1,\"mill, old\",0.004,13.004,-1.5,2,-0.006,0.008\n1,2,0,5,0,0,0,0\n");
     maps.wall.assign(8, true);
-    CHECK_THROWS_WITH(site_gauges(maps, site, {}), Catch::Matchers::Contains("the gauge mill, old has walls alone"));
+    CHECK_THROWS_WITH(place_gauges(maps, site, {}), Catch::Matchers::Contains("the gauge mill, old has walls alone"));
 }
 
 TEST_CASE("each map keeps the largest of its own value; thin films are dry, walls have no value") {

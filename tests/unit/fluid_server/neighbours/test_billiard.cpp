@@ -327,10 +327,10 @@ TEST_CASE("a tank of a site sees what the same tank of a channel sees", "[billia
     ParticleFields expected(particles.capacity());
     find_neighbours(grid, Solids(channel), particles, h, of_channel);
     compute_density_and_diagonal(particles, make_kernel(channel.fluid), 1e-3F, false, of_channel, expected);
-    Scene place = channel;
-    place.world->length = place.world->width = 1.2;
-    place.site = Site{};
-    const Seen seen(place, test::solids_of(place), particles, 0.1);
+    Scene with_site = channel;
+    with_site.world->length = with_site.world->width = 1.2;
+    with_site.site = Site{};
+    const Seen seen(with_site, test::solids_of(with_site), particles, 0.1);
     // The grid of a site is higher, which changes the order.
     for (std::size_t i = 0; i < particles.count; ++i) {
         const auto at = std::find(seen.particles.x.begin(), seen.particles.x.end(), particles.x[i]);

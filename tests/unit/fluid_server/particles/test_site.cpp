@@ -39,7 +39,7 @@ Count count(const std::vector<Wall>& walls) {
     return n;
 }
 
-TEST_CASE("a site's walls are the outlines of what is not water", "[place]") {
+TEST_CASE("a site's walls are the outlines of what is not water", "[site]") {
     const MapLine box{{4, 4}, {6, 4}, {6, 6}, {4, 6}};
     CHECK(count(walls_of(shape_of({}), 0, 0)) == Count{4, 0, 0});
     CHECK(count(walls_of(shape_of({box}), 0, 0)) == Count{8, 4, 0});
@@ -60,7 +60,7 @@ TEST_CASE("a site's walls are the outlines of what is not water", "[place]") {
     CHECK(count(walls_of(shape_of({box, {{6, 6}, {8, 6}, {8, 8}, {6, 8}}}), 0, 0)) == Count{12, 6, 0});
 }
 
-TEST_CASE("a gate is a wall on both sides until it opens", "[place]") {
+TEST_CASE("a gate is a wall on both sides until it opens", "[site]") {
     Gate gate;
     gate.line = {{5, 0}, {5, 10}};
     gate.opens_at = 2;
@@ -71,7 +71,7 @@ TEST_CASE("a gate is a wall on both sides until it opens", "[place]") {
     CHECK(count(walls_of(shape_of({}, {gate}), 0, 0)) == Count{6, 2, 0});
 }
 
-TEST_CASE("walls have the water on the side of their normals", "[place]") {
+TEST_CASE("walls have the water on the side of their normals", "[site]") {
     SiteTank tank{.turned = 17, .corner = 70, .side = 10};
     const SiteSolids solids = test::solids_of(test::site_scene(tank, 0, 0.1));
     REQUIRE(solids.walls().size() == 4);
@@ -83,7 +83,7 @@ TEST_CASE("walls have the water on the side of their normals", "[place]") {
     }
 }
 
-TEST_CASE("contact stops what would come too near to an oblique wall, and no more", "[place]") {
+TEST_CASE("contact stops what would come too near to an oblique wall, and no more", "[site]") {
     const SiteTank tank{.turned = 30};
     const SiteSolids solids = test::solids_of(test::site_scene(tank, 0, 0.1));
     constexpr float dt = 0.1F, distance = 0.04F;
@@ -101,7 +101,7 @@ TEST_CASE("contact stops what would come too near to an oblique wall, and no mor
     CHECK(v.z[0] == wall.nz);
 }
 
-TEST_CASE("nothing gets through walls, corners or the ground of a site", "[place]") {
+TEST_CASE("nothing gets through walls, corners or the ground of a site", "[site]") {
     const SiteTank tank{.turned = 17, .corner = 60};
     Scene scene = test::site_scene(tank, 0, 0.1);
     scene.site->houses.push_back(house_of({{tank.at(-0.2, -0.2), tank.at(0.2, -0.2), tank.at(0.2, 0), tank.at(0, 0),
@@ -134,7 +134,7 @@ TEST_CASE("nothing gets through walls, corners or the ground of a site", "[place
     CHECK(outside == 0);
 }
 
-TEST_CASE("water of a site is as much as its volume, whatever the angle", "[place]") {
+TEST_CASE("water of a site is as much as its volume, whatever the angle", "[site]") {
     const double angle = GENERATE(0, 17, 30, 45);
     const SiteTank tank{.turned = angle};
     const Scene scene = test::site_scene(tank, 0.53, 0.1);
@@ -148,7 +148,7 @@ TEST_CASE("water of a site is as much as its volume, whatever the angle", "[plac
     }
 }
 
-TEST_CASE("the ground of a site is straight within its triangles", "[place]") {
+TEST_CASE("the ground of a site is straight within its triangles", "[site]") {
     Scene scene = test::site_scene({}, 0, 0.1);
     const auto height = [](double x, double z) { return 0.2 * std::sin(2 * x) * std::cos(1.5 * z); };
     const auto raster = std::make_shared<Raster>();

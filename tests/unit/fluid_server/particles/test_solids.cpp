@@ -164,8 +164,8 @@ TEST_CASE("every place round a particle near an obstacle is filled exactly once"
         wrong += std::abs(filled - 1) < 1e-3F ? 0 : 1;
     }
     CHECK(in_part > 1000);
-    // Next to the upper corners of the box three edges have a say, and the shares of a site do not add up exactly: there and
-    // nowhere else, with no more and no less on the whole.
+    // Next to the upper corners of the box three edges have a say, and the shares of a position do not add up exactly: there
+    // and nowhere else, with no more and no less on the whole.
     CHECK(wrong < tried / 100);
     CHECK(sum / tried == Approx(1).margin(1e-3));
 }

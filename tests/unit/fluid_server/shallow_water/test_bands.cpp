@@ -179,7 +179,7 @@ Scene site_with_all() {
 
 }  // namespace bands_test
 
-TEST_CASE("a place over ranks gives the bits of one process", "[bands]") {
+TEST_CASE("a site over ranks gives the bits of one process", "[bands]") {
     bands_test::check_bits(bands_test::site_with_all(), 5, 2, {2, 4});
 }
 

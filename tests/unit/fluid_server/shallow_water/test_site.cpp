@@ -41,7 +41,7 @@ double shallowest(const ShallowWater& world) {
 
 }  // namespace
 
-TEST_CASE("polygons cover cells and faces by their area", "[place]") {
+TEST_CASE("polygons cover cells and faces by their area", "[site]") {
     const Grid grid = make_grid(empty_site(8, 4, 1));
     // A square of 2 x 2 on its corner, centred at (4, 2), and a hole in it.
     const MapPolygon diamond{
@@ -62,7 +62,7 @@ TEST_CASE("polygons cover cells and faces by their area", "[place]") {
 }
 
 TEST_CASE("ground is straight between the centres of a raster, its mean in larger cells, and through points",
-          "[place]") {
+          "[site]") {
     const Grid grid = make_grid(empty_site(8, 4, 1));
     const auto plane = [](double x, double z) { return 0.1 * x + 0.2 * z; };
     Ground ground;
@@ -80,7 +80,7 @@ TEST_CASE("ground is straight between the centres of a raster, its mean in large
     for_each_cell(grid, [&](double x, double z, std::size_t c) { CHECK(std::abs(height[c] - plane(x, z)) < 1e-12); });
 }
 
-TEST_CASE("a lake with houses at an angle stays at rest", "[place]") {
+TEST_CASE("a lake with houses at an angle stays at rest", "[site]") {
     SECTION("over level ground to the last bit") {
         ShallowWater world(validation::lake(17, false));
         REQUIRE_FALSE(world.openings.groups.empty());
@@ -96,7 +96,7 @@ TEST_CASE("a lake with houses at an angle stays at rest", "[place]") {
     }
 }
 
-TEST_CASE("a dam break down a street at an angle is that down a straight one", "[place]") {
+TEST_CASE("a dam break down a street at an angle is that down a straight one", "[site]") {
     // At 30 degrees against 0, by places along the street: 2 % of H and of sqrt(g H) is what the project asks for.
     constexpr std::size_t places = 28;
     const auto profile = [&](double degrees, std::vector<double>& speed) {
@@ -132,7 +132,7 @@ TEST_CASE("a dam break down a street at an angle is that down a straight one", "
     CHECK(of_speed < 0.02 * std::sqrt(9.81));
 }
 
-TEST_CASE("water that slides along a slanted wall is not braked", "[place]") {
+TEST_CASE("water that slides along a slanted wall is not braked", "[site]") {
     // A ring of streets would need curves; here a long straight one, in which the middle does not yet know of the ends.
     Scene scene = empty_site(60, 60, 0.5);
     const Turn turn(30, 30, 30);
@@ -155,7 +155,7 @@ TEST_CASE("water that slides along a slanted wall is not braked", "[place]") {
     CHECK(worst < 1e-6);  // faces are cut to a share of 1e-9
 }
 
-TEST_CASE("what comes in by hydrograph, rain and stage is what stands there and went out", "[place]") {
+TEST_CASE("what comes in by hydrograph, rain and stage is what stands there and went out", "[site]") {
     Scene scene = empty_site(30, 20, 0.5);
     const Turn turn(15, 10, 25);
     Site& site = *scene.site;
@@ -179,7 +179,7 @@ TEST_CASE("what comes in by hydrograph, rain and stage is what stands there and 
     CHECK(std::abs(open_volume(world) + out - in) < 1e-9 * in);
 }
 
-TEST_CASE("a wall thinner than a cell holds, an alley narrower than one lets through", "[place]") {
+TEST_CASE("a wall thinner than a cell holds, an alley narrower than one lets through", "[site]") {
     const auto beyond = [](bool alley) {
         Scene scene = empty_site(24, 16, 0.5);
         const Turn turn(12, 8, 20);
@@ -201,7 +201,7 @@ TEST_CASE("a wall thinner than a cell holds, an alley narrower than one lets thr
     CHECK(beyond(true) > 0.2);  // 0.4 m wide; a fall of 1 m passes 0.4 * 0.93 m^3/s at most
 }
 
-TEST_CASE("depths stay positive and mass is kept on steep and rough ground", "[place]") {
+TEST_CASE("depths stay positive and mass is kept on steep and rough ground", "[site]") {
     Scene scene = empty_site(40, 20, 0.5);
     const Turn turn(20, 10, 33);
     Site& site = *scene.site;
@@ -221,7 +221,7 @@ TEST_CASE("depths stay positive and mass is kept on steep and rough ground", "[p
     CHECK(std::abs(open_volume(world) - volume) < 1e-12 * volume);
 }
 
-TEST_CASE("a gate holds water until it opens", "[place]") {
+TEST_CASE("a gate holds water until it opens", "[site]") {
     Scene scene = empty_site(20, 10, 0.5);
     Site& site = *scene.site;
     const Turn turn(10, 5, 20);
@@ -241,7 +241,7 @@ TEST_CASE("a gate holds water until it opens", "[place]") {
     CHECK(beyond() > 1);
 }
 
-TEST_CASE("a gate between walls that end anywhere in a cell is tight", "[place]") {
+TEST_CASE("a gate between walls that end anywhere in a cell is tight", "[site]") {
     for (const double degrees : {0, 17, 30}) {
         Scene scene = empty_site(20, 10, 0.5);
         Site& site = *scene.site;
@@ -258,7 +258,7 @@ TEST_CASE("a gate between walls that end anywhere in a cell is tight", "[place]"
 }
 
 // A wave that runs along x, or along z, into water at rest before its crest breaks: its exact solution follows characteristics.
-TEST_CASE("the order of convergence on a site is at least 1.7", "[place]") {
+TEST_CASE("the order of convergence on a site is at least 1.7", "[site]") {
     const double length = 20, depth = 1, height = 0.1, g = 9.81, c0 = std::sqrt(g * depth), end = 1.5;
     const auto start = [&](double x) { return depth + height * std::exp(-std::pow((x - 8) / 2, 2)); };
     const auto speed = [&](double x) { return 2 * (std::sqrt(g * start(x)) - c0); };
@@ -295,7 +295,7 @@ TEST_CASE("the order of convergence on a site is at least 1.7", "[place]") {
 }
 
 // Half a step without friction would drive the fluxes by dt k/2 too fast, some per cent here.
-TEST_CASE("water keeps its normal depth and speed down a slope, whatever the time step", "[place]") {
+TEST_CASE("water keeps its normal depth and speed down a slope, whatever the time step", "[site]") {
     const double depth = 0.2, n = 0.05, slope = 0.02, u = std::sqrt(slope) * std::pow(depth, 2.0 / 3) / n;
     for (const double cfl : {0.5, 0.1}) {
         Scene scene = empty_site(60, 4, 0.5);
@@ -315,7 +315,7 @@ TEST_CASE("water keeps its normal depth and speed down a slope, whatever the tim
     }
 }
 
-TEST_CASE("only cells at the water are worked on, and threads do not matter", "[place]") {
+TEST_CASE("only cells at the water are worked on, and threads do not matter", "[site]") {
     const auto run = [](int threads) {
         const int before = omp_get_max_threads();
         omp_set_num_threads(threads);

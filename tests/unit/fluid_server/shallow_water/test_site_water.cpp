@@ -96,7 +96,7 @@ double seiche(double depth) {
 
 // A basin of 60 m, 2 m deep: a wave from the mouth is reflected by the wall, and by the mouth with the opposite sign. The mouth is
 // the inner face of the cells of the outlet.
-TEST_CASE("the level at a stage is followed like linear theory has it", "[place]") {
+TEST_CASE("the level at a stage is followed like linear theory has it", "[site]") {
     using namespace outlets_test;
     constexpr double cell = 1, length = 60 - cell, depth = 2, rise = 0.02;
     const double c = std::sqrt(g * depth);
@@ -126,7 +126,7 @@ TEST_CASE("the level at a stage is followed like linear theory has it", "[place]
     CHECK(compare(tide, 120) < 0.1 * rise);
 }
 
-TEST_CASE("a stage across a basin at an angle to the grid gives the levels of a straight one", "[place]") {
+TEST_CASE("a stage across a basin at an angle to the grid gives the levels of a straight one", "[site]") {
     using namespace outlets_test;
     constexpr double rise = 0.02;
     const auto levels = [](double degrees) {
@@ -155,7 +155,7 @@ TEST_CASE("a stage across a basin at an angle to the grid gives the levels of a 
 }
 
 // The values contain the seiche of the basin and a bore; 2 cm and 2 % are the accuracy that the project asks for.
-TEST_CASE("the level at a stage follows its series however fast it changes", "[place]") {
+TEST_CASE("the level at a stage follows its series however fast it changes", "[site]") {
     using namespace outlets_test;
     CHECK(levels_of(harbour({{0, 1}}, 1), 60).far == Approx(1).margin(1e-9));
     const Levels dip = levels_of(harbour(dip_to(-2), 1), 600), deep = levels_of(harbour(dip_to(-10), 1), 600);
@@ -170,7 +170,7 @@ TEST_CASE("the level at a stage follows its series however fast it changes", "[p
     CHECK(levels_of(harbour(tide, 2), 2400).far == Approx(2).margin(0.02));
 }
 
-TEST_CASE("a stage below the bed counts like one at the bed", "[place]") {
+TEST_CASE("a stage below the bed counts like one at the bed", "[site]") {
     using namespace outlets_test;
     const auto left = [](double lowest) {
         ShallowWater world(harbour({{0, 1}, {20, 1}, {20, lowest}}, 1));
@@ -182,7 +182,7 @@ TEST_CASE("a stage below the bed counts like one at the bed", "[place]") {
 }
 
 // The seiche of the basin goes on, as friction is small and the mouth reflects it; its mean over a period is the level.
-TEST_CASE("five minutes after a stage came to rest the level inside is that of the stage", "[place]") {
+TEST_CASE("five minutes after a stage came to rest the level inside is that of the stage", "[site]") {
     using namespace outlets_test;
     const Levels dip = levels_of(harbour(dip_to(-2), 1), 540 + seiche(0.97), 540, 540 + seiche(0.97));
     CHECK(dip.mean_near == Approx(1).margin(0.02));
@@ -193,7 +193,7 @@ TEST_CASE("five minutes after a stage came to rest the level inside is that of t
 }
 
 // A wave of 2 cm over 1 m of water runs from the middle towards the outlet and comes back, or not.
-TEST_CASE("a wave from inside comes back inverted at a stage and leaves at open water", "[place]") {
+TEST_CASE("a wave from inside comes back inverted at a stage and leaves at open water", "[site]") {
     using namespace outlets_test;
     const auto reflected = [](OutletKind kind) {
         constexpr double height = 0.02;
@@ -215,7 +215,7 @@ TEST_CASE("a wave from inside comes back inverted at a stage and leaves at open 
     CHECK(std::abs(reflected(OutletKind::wave)) < 0.02);             // the mouth is a cell long, the wave 16
 }
 
-TEST_CASE("open water lets a given wave in, and its reflection out", "[place]") {
+TEST_CASE("open water lets a given wave in, and its reflection out", "[site]") {
     using namespace outlets_test;
     constexpr double height = 0.1;
     const Series series{{0, 1}, {1, 1 + height}, {4, 1 + height}, {5, 1}};
@@ -230,7 +230,7 @@ TEST_CASE("open water lets a given wave in, and its reflection out", "[place]") 
     CHECK(left < 0.02 * height);                // as for one wave from inside
 }
 
-TEST_CASE("a lake at rest stays at rest beside a stage or open water at its level", "[place]") {
+TEST_CASE("a lake at rest stays at rest beside a stage or open water at its level", "[site]") {
     using namespace outlets_test;
     for (const OutletKind kind : {OutletKind::stage, OutletKind::wave}) {
         Scene scene = empty_site(30, 20, 0.5);
@@ -254,7 +254,7 @@ TEST_CASE("a lake at rest stays at rest beside a stage or open water at its leve
 }
 
 // Water at rest that falls dry outside, and a wave much higher than the water is deep.
-TEST_CASE("open water takes any level", "[place]") {
+TEST_CASE("open water takes any level", "[site]") {
     using namespace outlets_test;
     for (const double level : {-1.0, 0.0, 0.01, 4.0}) {
         ShallowWater world(basin_with(OutletKind::wave, {{0, 0.5}, {10, level}}, 30, 0.5, 0.5));
@@ -269,7 +269,7 @@ TEST_CASE("open water takes any level", "[place]") {
 }
 
 // The line has water on both sides. For a closed basin it then holds the level, too, as soon as waves have crossed it twice.
-TEST_CASE("a stage with its line within the water holds its level", "[place]") {
+TEST_CASE("a stage with its line within the water holds its level", "[site]") {
     using namespace outlets_test;
     Scene scene = harbour({{0, 1}, {60, 2}}, 1);
     scene.site->outlets[0].line = {{20.5, 0}, {20.5, 4}};
@@ -279,7 +279,7 @@ TEST_CASE("a stage with its line within the water holds its level", "[place]") {
 }
 
 // Parts of the line end on a face and in a cell, and areas on a face and in the middle of cells.
-TEST_CASE("outlets end to end give the bits of one outlet, and each has its own cells", "[place]") {
+TEST_CASE("outlets end to end give the bits of one outlet, and each has its own cells", "[site]") {
     using namespace outlets_test;
     const auto hash_of = [](const std::vector<std::pair<MapLine, MapPolygon>>& parts) {
         Scene scene = harbour({{0, 1}, {60, 2}}, 1);
@@ -305,7 +305,7 @@ TEST_CASE("outlets end to end give the bits of one outlet, and each has its own 
 }
 
 // All of the discharge comes in, beside the cell that the source shares with an outlet.
-TEST_CASE("a source that ends in a cell of an outlet loses nothing there", "[place]") {
+TEST_CASE("a source that ends in a cell of an outlet loses nothing there", "[site]") {
     using namespace outlets_test;
     Scene scene = basin_with(OutletKind::free, {}, 10, 1, 0.5);
     scene.site->outlets[0].line = {{0, 0}, {0, 1.5}};
@@ -316,7 +316,7 @@ TEST_CASE("a source that ends in a cell of an outlet loses nothing there", "[pla
     for (const SourceCell& cell : world.site->sources[0].cells) CHECK(cell.per_volume == 0.5);
 }
 
-TEST_CASE("a river that leaves through a stage keeps its level at once", "[place]") {
+TEST_CASE("a river that leaves through a stage keeps its level at once", "[site]") {
     using namespace outlets_test;
     Scene scene = basin_with(OutletKind::stage, {{0, 1}}, 100, 1, 1, 0.002);
     scene.site->roughness.n = 0.03;
@@ -331,7 +331,7 @@ TEST_CASE("a river that leaves through a stage keeps its level at once", "[place
 
 // q = 0.5 m2/s, slope 0.05, n 0.03: normal depth 0.197 m, Froude number 1.8, conjugate depth 0.42 m.
 TEST_CASE("a sea that stands higher than the conjugate depth backs up a supercritical river, a lower one does not",
-          "[place]") {
+          "[site]") {
     using namespace outlets_test;
     const auto level = [](double stage) {
         Scene scene = basin_with(OutletKind::stage, {{0, stage}}, 60, 0.5, 0, 0.05);
@@ -350,7 +350,7 @@ TEST_CASE("a sea that stands higher than the conjugate depth backs up a supercri
 }
 
 // Depth times velocity of the cell before the fall is some per cent off.
-TEST_CASE("the discharge of a gauge is that through the faces of its cell, beside a fall, too", "[place]") {
+TEST_CASE("the discharge of a gauge is that through the faces of its cell, beside a fall, too", "[site]") {
     using namespace outlets_test;
     Scene scene = basin_with(OutletKind::free, {}, 60, 1, 0.5, 0.01);
     scene.site->roughness.n = 0.03;

@@ -3,7 +3,7 @@
 from wade.ensembles.folder import FAILURE, read_json, status_of, why_incomplete
 
 COUNTS = ("agents", "arrived", "dead", "active", "standing", "last_arrival_s", "sim_time_s")
-OF_PLACES = ("sheltered", "indoors", "upper_floor")  # where runs say them
+OF_SITES = ("sheltered", "indoors", "upper_floor")  # where runs say them
 NO_FOLDER = "no folder: it was not done, or its worker was lost"
 
 
@@ -28,7 +28,7 @@ def row_of(folder, run, fingerprint, refusal):
     outcome = read_json(folder / "outcome.json") or {}
     manifest = read_json(folder / "manifest.json") or {}
     row.update({key: outcome.get(key) for key in COUNTS})
-    row.update({key: outcome[key] for key in OF_PLACES if key in outcome})
+    row.update({key: outcome[key] for key in OF_SITES if key in outcome})
     row.update({f"state_{state}": number for state, number in outcome.get("states", {}).items()})
     row.update(frame_hash=outcome.get("frame_hash"), host=manifest.get("host"), wall_time_s=outcome.get("wall_time_s"))
     if row["status"] != "completed":
@@ -37,13 +37,13 @@ def row_of(folder, run, fingerprint, refusal):
     return row
 
 
-def said_of_places(rows):
+def said_of_sites(rows):
     """Where people of a site may be besides, of those columns that a row has."""
-    return [key for key in OF_PLACES if any(key in row for row in rows)]
+    return [key for key in OF_SITES if any(key in row for row in rows)]
 
 
 def columns_of(rows, varied):
     """The columns of runs.csv."""
     states = dict.fromkeys(key for row in rows for key in row if key.startswith("state_"))
-    return ["index", "scene", "seed", *varied, "status", *COUNTS, *said_of_places(rows), *states, "frame_hash", "host",
+    return ["index", "scene", "seed", *varied, "status", *COUNTS, *said_of_sites(rows), *states, "frame_hash", "host",
             "wall_time_s", "reason"]

@@ -188,7 +188,7 @@ def write_geotiff(path, bands, corner, cell, epsg, time_s):
 
 class GeoTiff:
     """water_NNNNNN.tif a frame: depth, speed, depth times speed and hazard class in the cells of the water, and the maps of a
-    place; in its coordinate system, if it has one, else in the scene's own metres.
+    site; in its coordinate system, if it has one, else in the scene's own metres.
 
     What particles or columns a cell holds gives its depth and, by their momentum, its speed.
     """

@@ -124,7 +124,7 @@ def draw(run, name, output):
 def main(arguments):
     """tools/wade maps."""
     parser = Parser("maps", __doc__)
-    parser.add_argument("run", type=pathlib.Path, metavar="RUN_DIR", help="run folder of a scene with a place")
+    parser.add_argument("run", type=pathlib.Path, metavar="RUN_DIR", help="run folder of a scene with a site")
     parser.add_argument("--map", choices=MAPS, metavar="NAME", help=f"only this one: {', '.join(MAPS)} [all]")
     parser.add_argument("--out", type=pathlib.Path, metavar="DIR", help="folder of the pictures [RUN_DIR/maps]")
     options = parser.parse_args(arguments)

@@ -55,11 +55,11 @@ def summary(folder):
         return []
     last = outcome["last_arrival_s"]
     arrival = f", the last after {last:.1f} s" if last is not None else ""
-    place = f", {outcome['sheltered']} sheltered, {outcome['indoors'] + outcome['upper_floor']} indoors" if "sheltered" in outcome else ""
+    of_site = f", {outcome['sheltered']} sheltered, {outcome['indoors'] + outcome['upper_floor']} indoors" if "sheltered" in outcome else ""
     deep = outcome.get("indoors_behind_deep_water")
     if deep:
-        place += f" ({deep} of them behind more than 0.5 m of water)"
-    lines = [f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}{place}; "
+        of_site += f" ({deep} of them behind more than 0.5 m of water)"
+    lines = [f"{outcome['scene']}: {outcome['status']}; {outcome['arrived']} of {outcome['agents']} arrived{arrival}{of_site}; "
              f"{outcome['dead']} dead, {outcome['active']} active"]
     wall, memory = outcome["wall_time_s"], outcome["fluid"].get("resident_bytes")
     if wall:

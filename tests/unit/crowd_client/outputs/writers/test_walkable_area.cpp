@@ -167,7 +167,7 @@ TEST_CASE("The walkable areas of the sites are those of another library") {
                                             {"seaside.json", {813.72940250000011, 168}},
                                             {"village.json", {105895.26334999999, 40}}};
     std::size_t found = 0;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(WADE_SCENES "/places")) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(WADE_SCENES "/sites")) {
         if (entry.path().extension() != ".json") continue;
         CAPTURE(entry.path());
         const Site& site = sites.at(entry.path().filename());
