@@ -23,18 +23,6 @@ void copy_cells(Primitive& state, std::size_t to, std::size_t from, std::size_t 
     }
 }
 
-// The water in the ghost cells below the fall, from the cell before it.
-void fall(Primitive& state, std::size_t to, std::size_t from, double gravity) {
-    copy_cell(state, to, from);
-    const double c = std::sqrt(gravity * state.h[from]);
-    if (-state.u[from] >= c) return;
-    const double critical = std::max(0.0, (2 * c - state.u[from]) / 3);
-    const double bed = state.surface()[from] - state.h[from];
-    state.h[to] = critical * critical / gravity;
-    if (!state.eta.empty()) state.eta[to] = bed + state.h[to];
-    state.u[to] = -critical;
-}
-
 // Calls copy(ghost, its original) for the ghosts of n cells, or rows.
 template <typename Copy>
 void wrap(std::size_t cells, Copy&& copy) {
@@ -79,6 +67,14 @@ double depth_on_wave(double q, double h, double u, double g) {
 
 }  // namespace
 
+void fall(double& h, double& u, double gravity) {
+    const double c = std::sqrt(gravity * h);
+    if (-u >= c) return;
+    const double critical = std::max(0.0, (2 * c - u) / 3);
+    h = critical * critical / gravity;
+    u = -critical;
+}
+
 void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active,
                  std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -93,7 +89,10 @@ void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, dou
         };
         if (channel.flow == Flow::emitter) {
             for (std::size_t g = 1; g <= 2; ++g) {
-                fall(state, row - g, row, gravity);
+                const std::size_t below = row - g;
+                copy_cell(state, below, row);
+                fall(state.h[below], state.u[below], gravity);
+                if (!state.eta.empty()) state.eta[below] = state.eta[row] - state.h[row] + state.h[below];
                 copy_cell(state, last + g, last);  // its flux is given
             }
         } else if (channel.flow == Flow::closed) {
@@ -103,7 +102,8 @@ void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, dou
         }
     }
     const auto copy = [&](std::ptrdiff_t to, std::ptrdiff_t from) {
-        if (active.any(static_cast<std::size_t>(from))) copy_cells(state, grid.row(to), grid.row(from), grid.nx);
+        if (!active.any(static_cast<std::size_t>(from))) return;
+        copy_cells(state, grid.row(to) - Grid::ghosts, grid.row(from) - Grid::ghosts, grid.nx + 2 * Grid::ghosts);
     };
     const auto mirror = [&](std::ptrdiff_t k) {
         const std::ptrdiff_t from = k < 0 ? -k - 1 : 2 * static_cast<std::ptrdiff_t>(grid.nz) - 1 - k;

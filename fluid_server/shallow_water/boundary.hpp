@@ -44,6 +44,9 @@ inline Cells across(const Primitive& p, std::size_t c) {
 void fill_ghosts(Primitive& state, const Grid& grid, const Channel& channel, double gravity, const Lines& active,
                  std::size_t begin, std::size_t end);
 
+// Depth, m, and velocity along x, m/s, before a fall become those below it.
+void fall(double& h, double& u, double gravity);
+
 // Depth at the inflow, m. discharge: per width, >= 0, m^2/s; nozzle_depth: of the opening, m; h, u: in the cell before it,
 // u > 0 downstream.
 [[nodiscard]] double inflow_depth(double discharge, double nozzle_depth, double h, double u, double gravity);

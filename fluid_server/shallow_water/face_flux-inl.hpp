@@ -124,10 +124,12 @@ void find_waves(std::size_t n, const FluxConstants& constants, Faces& faces) {
 
 // F = (s_r F_l - s_l F_r + s_l s_r (U_r - U_l)) / (s_r - s_l), in a form that is F_l to the bit if F_l = F_r, lets
 // no mass through a mirror, and gives mirrored states the mirrored flux.
-// open: shares of the faces that let water pass; only read of narrowed ones.
-template <bool films_rest, bool narrowed>
-void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* open, std::size_t n,
-                    const FluxConstants& constants, const Faces& faces, FluxRow flux) {
+// wall: as in find_fluxes(); only read with obstacles. What hits a wall, through which no mass passes, does not push the film on
+// the obstacle's top. open: shares of the faces that let water pass; only read of narrowed ones.
+template <bool films_rest, bool narrowed, bool obstacles>
+void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise, const double* wall,
+                    const double* open, std::size_t n, const FluxConstants& constants, const Faces& faces,
+                    FluxRow flux) {
     const V zero = all(0.0), half = all(0.5), half_g = all(0.5 * constants.gravity), dry = all(constants.dry);
     for (std::size_t i = 0; i < n; i += lanes) {
         const V h_l = load(&faces.h_l[i]), h_r = load(&faces.h_r[i]);
@@ -144,6 +146,11 @@ void combine_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_rise
             mass = hn::IfThenElseZero(wet, mass);
             into_lower = hn::IfThenElseZero(wet, into_lower);
             into_upper = hn::IfThenElseZero(wet, into_upper);
+        }
+        if constexpr (obstacles) {
+            const V side = load(wall + i);
+            into_upper = hn::IfThenZeroElse(hn::And(side > zero, mass == zero), into_upper);
+            into_lower = hn::IfThenZeroElse(hn::And(side < zero, mass == zero), into_lower);
         }
         const V along_l = load(lower.along + i) + load(lower_rise.along + i);
         const V along_r = load(upper.along + i) - load(upper_rise.along + i);
@@ -177,11 +184,12 @@ inline void find_fluxes(Cells lower, Cells lower_rise, Cells upper, Cells upper_
         } else {
             find_waves<true>(m, constants, faces);
         }
-        const auto combine = open != nullptr        ? combine_fluxes<true, true>  // of sites alone, where films rest
-                             : constants.films_rest ? combine_fluxes<true, false>
-                                                    : combine_fluxes<false, false>;
-        combine(l, dl, r, dr, open != nullptr ? open + i : nullptr, m, constants, faces,
-                {flux.mass + i, flux.along + i, flux.into_lower + i, flux.into_upper + i});
+        const auto combine = open != nullptr        ? combine_fluxes<true, true, false>  // of sites, where films rest
+                             : constants.films_rest ? combine_fluxes<true, false, false>
+                             : wall != nullptr      ? combine_fluxes<false, false, true>
+                                                    : combine_fluxes<false, false, false>;
+        combine(l, dl, r, dr, wall != nullptr ? wall + i : nullptr, open != nullptr ? open + i : nullptr, m, constants,
+                faces, {flux.mass + i, flux.along + i, flux.into_lower + i, flux.into_upper + i});
     }
 }
 

@@ -82,16 +82,6 @@ void step_group(ShallowWater& world, const Group& group, double& least) {
     }
 }
 
-// One Euler step, mixed with the world's `water`: see update_band().
-void euler_step(ShallowWater& world, const BandFrom& from, double share, double dt, double discharge,
-                const BandTo& to) {
-    const StageTerms terms{world.constants, world.acceleration, world.scene.channel->manning_n, share, dt, discharge};
-    for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
-        update_band(world, from, terms, begin, end, buffer, to);
-    });
-    fill_borders(world, to.primitive);
-}
-
 double time_step(ShallowWater& world, double remaining) {
     const Grid& grid = world.grid;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory&) {
@@ -137,38 +127,14 @@ bool stayed_positive(const ShallowWater& world) {
                              first + static_cast<std::ptrdiff_t>(world.band.end)) >= rounding;
 }
 
-// Heun's step of report.dt from `water` to `stage`; `primitive` is that of `water` before and that of `stage` after it.
-// Whether all depths stayed positive.
-bool heun_step(ShallowWater& world, StepReport& report) {
+// From `water` and `primitive` to `stage` and `stage_primitive` over dt. Whether all depths stayed positive.
+bool try_step(ShallowWater& world, double dt) {
     const Channel& channel = world.scene.channel;
     const double discharge =
-        channel.flow == Flow::emitter ? channel.depth * mean_velocity(channel, world.time, world.time + report.dt) : 0;
-    const auto note_flow = [&] {
-        const std::array<RowField, 2> flows{RowField{world.row_inflow.data(), 1, 1}, {world.row_outflow.data(), 1, 1}};
-        gather_rows(world.band, flows, false);
-        report.inflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_inflow);
-        report.outflow -= 0.5 * report.dt * world.grid.dz * sum(world.row_outflow);
-        for (WatchedFace& watched : world.watched) {
-            watched.step_volume += 0.5 * report.dt * world.grid.dz * sum(watched.row_mass);
-            watched.step_momentum += 0.5 * report.dt * world.grid.dz * sum(watched.row_momentum);
-        }
-    };
-    for (WatchedFace& watched : world.watched) watched.step_volume = watched.step_momentum = 0;
-    Water &water = world.water, &stage = world.stage;
-    euler_step(world, {water.qx, water.qz, world.primitive}, 1, report.dt, discharge,
-               {nullptr, stage.qx, stage.qz, world.stage_primitive});
-    note_flow();
-    const bool positive = stayed_positive(world);
-    euler_step(world, {stage.qx, stage.qz, world.stage_primitive}, 0.5, report.dt, discharge,
-               {&stage.h, stage.qx, stage.qz, world.primitive});
-    note_flow();
-    return all_agree(world.band, positive && stayed_positive(world));
-}
-
-// Hancock's step of dt from `water` and `primitive` to `stage` and `stage_primitive`. Whether all depths stayed positive.
-bool hancock_step(ShallowWater& world, double dt) {
+        channel.flow == Flow::emitter ? channel.depth * mean_velocity(channel, world.time, world.time + dt) : 0;
+    for (GaugedCell& cell : world.gauged) cell.qx = cell.qz = 0;
     for_each_band(world, [&](std::size_t begin, std::size_t end, RowMemory& buffer) {
-        update_site_band(world, dt, begin, end, buffer);
+        update_band(world, dt, discharge, begin, end, buffer);
     });
     share_groups(world, world.stage.h, world.stage.qx, world.stage.qz);
     const auto groups = static_cast<std::ptrdiff_t>(world.openings.active_groups.size());
@@ -184,24 +150,22 @@ bool hancock_step(ShallowWater& world, double dt) {
 
 // The longest step of report.dt after which all depths are positive, each one tried half of the one before.
 void advance(ShallowWater& world, StepReport& report) {
-    if (world.site) {
-        for (GaugedCell& cell : world.gauged) cell.qx = cell.qz = 0;
-        for (int halved = 0; !hancock_step(world, report.dt) && halved < most_halvings; ++halved) report.dt *= 0.5;
-        std::swap(world.primitive, world.stage_primitive);
-    } else {
-        for (int halved = 0; !heun_step(world, report) && halved < most_halvings; ++halved) {
-            update_active(world);
-            report.dt *= 0.5;
-            report.inflow = report.outflow = 0;
-        }
-    }
+    for (int halved = 0; !try_step(world, report.dt) && halved < most_halvings; ++halved) report.dt *= 0.5;
+    std::swap(world.primitive, world.stage_primitive);
     std::swap(world.water, world.stage);
 }
 
-void book_flow(ShallowWater& world) {
+// What passed the ends of a channel and the watched faces in the step.
+void book_flow(ShallowWater& world, StepReport& report) {
+    if (world.site) return;
+    const std::array<RowField, 2> flows{RowField{world.row_inflow.data(), 1, 1}, {world.row_outflow.data(), 1, 1}};
+    gather_rows(world.band, flows, false);
+    const double per_flux = report.dt * world.grid.dz;
+    report.inflow = -per_flux * sum(world.row_inflow);
+    report.outflow = -per_flux * sum(world.row_outflow);
     for (WatchedFace& watched : world.watched) {
-        watched.volume += watched.step_volume;
-        watched.momentum += watched.step_momentum;
+        watched.volume += per_flux * sum(watched.row_mass);
+        watched.momentum += per_flux * sum(watched.row_momentum);
     }
 }
 
@@ -266,7 +230,7 @@ StepReport step(ShallowWater& world, double remaining, PeopleInWater* people, st
     }
     stage(Stage::time_step, [&] { report.dt = time_step(world, remaining); });
     stage(Stage::update, [&] { advance(world, report); });
-    stage(Stage::flow, [&] { book_flow(world); });
+    stage(Stage::flow, [&] { book_flow(world, report); });
     const bool driven = world.scene.channel->flow == Flow::recirculating;
     const bool pushed = people != nullptr && people->push();
     if (pushed) {

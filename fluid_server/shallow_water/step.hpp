@@ -8,12 +8,8 @@
 // h: depth, m; u, v: depth-averaged velocity along x and across, m/s; b: height of the bed; a: acceleration along x by the
 // slope of the channel; k = g n^2 sqrt(u^2 + v^2) / h^(4/3): Manning's friction, of a film that of 1 mm at least.
 //
-// Finite volumes, second order in space (face_flux.hpp) and time. On a channel one time step is Heun's method, two Euler steps of
-//
-//   U' = (U + dt L(U)) / (1 + dt k),   U_new = (U + U'')/2,
-//
-// on a site Hancock's, for half of the work (row_update.hpp); both with the friction of the old state taken implicitly, so that it
-// stops water at most. Depths stay positive as long as
+// Finite volumes, second order in space (face_flux.hpp) and time (row_update.hpp), with the friction of the old state taken
+// implicitly, so that it stops water at most. Depths stay positive as long as
 // dt (s_x / dx + s_z / dz) <= 1/2, s the fastest wave each way; a step after which one is negative is taken anew with half
 // of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
 // velocity along x that all of it lacks to v_F. On a site (site_water.hpp) what came in and left meanwhile follows after each
@@ -31,11 +27,11 @@ namespace wade::fluid::shallow_water {
 
 enum class Stage : std::size_t {
     time_step,  // the longest that is stable
-    update,  // both Euler steps, on a site Hancock's one; taken anew with half the time where a depth became negative
-    flow,    // what passed the watched faces
-    people,  // take their impulses
-    site,    // gets and loses water, and finds its wet cells
-    drive    // of a recirculating channel
+    update,     // of all cells; taken anew with half the time where a depth became negative
+    flow,       // what passed the watched faces
+    people,     // take their impulses
+    site,       // gets and loses water, and finds its wet cells
+    drive       // of a recirculating channel
 };
 inline constexpr std::array<std::string_view, 6> stage_names{"time_step", "update", "flow", "people", "site", "drive"};
 using StepStages = StageClock<Stage, stage_names.size()>;

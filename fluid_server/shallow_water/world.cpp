@@ -167,6 +167,7 @@ ShallowWater::ShallowWater(const Scene& its_scene)
     constants.gravity = scene.world->gravity * std::cos(tilt);
     constants.dry = dry_share * deepest_water(scene);
     acceleration = -scene.world->gravity * std::sin(tilt);
+    manning_n = scene.site ? scene.site->roughness.n : scene.channel->manning_n;
     lines.active = Lines(grid, true);
     band.end = grid.nz;
     if (scene.site) {

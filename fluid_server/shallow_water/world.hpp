@@ -24,8 +24,7 @@ struct WatchedFace {
     std::size_t face = 0;                        // the lower one of the cells of this number along x
     double volume = 0;                           // that passed towards +x since this was last set to 0, m^3
     double momentum = 0;                         // along x, that the water carried with it, over density, m^4/s
-    std::vector<double> row_mass, row_momentum;  // of the stage at hand, m^2/s and m^3/s^2
-    double step_volume = 0, step_momentum = 0;   // of the step at hand
+    std::vector<double> row_mass, row_momentum;  // of the step at hand, m^2/s and m^3/s^2
 };
 
 // A cell of a site with a gauge of discharge: the mean flux through its open faces along x and across in the last step, m^2/s.
@@ -56,6 +55,7 @@ struct ShallowWater {
     double time = 0;      // s
     FluxConstants constants;
     double acceleration = 0;  // a, m/s^2
+    double manning_n = 0;     // s/m^(1/3); of a site where no cell has its own
     WetLines lines;           // the cells that are worked on
     Openings openings;        // between the walls of a site
     std::optional<SiteWater> site;
@@ -63,7 +63,7 @@ struct ShallowWater {
 
     // Of the step at hand; kept for their memory.
     Water stage;
-    Primitive stage_primitive;                     // of the first stage, whose depths are only here
+    Primitive stage_primitive;                     // of `stage`
     Walls walls_x, walls_z;                        // of faces along x and across
     std::vector<double> row_fastest;               // by row: largest s_x / dx + s_z / dz, 1/s
     std::vector<double> row_least;                 // by row: smallest depth, below 0 where a step was too long
