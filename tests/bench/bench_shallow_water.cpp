@@ -1,5 +1,5 @@
 // bench_shallow_water: cell-steps per second of the shallow-water model. A cell-step is one cell over one whole time step,
-// both stages of Heun's method, the choice of the time step and the ghost cells included.
+// the choice of its length and the ghost cells included.
 
 #include <omp.h>
 
