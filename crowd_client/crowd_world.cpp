@@ -160,7 +160,7 @@ void solve_fields(const Step& step) {
             update_site_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
             note_depth_at_doors(crowd);
         }
-        if (!crowd.active.empty()) solve_due_ways(crowd.navigation, crowd.threads);
+        if (!crowd.active.empty()) solve_due_ways(crowd.navigation, crowd.positions, crowd.threads);
         return;
     }
     if (!is_due(crowd.navigation, step.number)) return;

@@ -55,6 +55,8 @@ void add_person(Navigation& navigation, const Vector2d& p) {
     }
 }
 
+}  // namespace
+
 void find_slowness(Navigation& navigation, std::span<const Vector2d> positions) {
     const TravelGrid& grid = navigation.grid;
     const auto columns = static_cast<std::size_t>(columns_of_a_lap(navigation));
@@ -69,6 +71,8 @@ void find_slowness(Navigation& navigation, std::span<const Vector2d> positions) 
         }
     }
 }
+
+namespace {
 
 void solve(Navigation& navigation, std::span<const Vector2d> positions, int threads) {
     if (navigation.crowding > 0) find_slowness(navigation, positions);

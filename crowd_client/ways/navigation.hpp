@@ -70,6 +70,9 @@ void update_navigation(Navigation& navigation, const Scene& scene, std::span<con
 void steer(Navigation& navigation, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
            std::span<Vector2d> goal_offsets, std::uint64_t decision, int threads);
 
+// Computes the slowness v / f of all nodes from the density of people at these positions, m.
+void find_slowness(Navigation& navigation, std::span<const Vector2d> positions);
+
 // Closes what stands on a grid that is laid out, and finds the reach and the radius round goals.
 void finish_grid(Navigation& navigation, const Scene& scene);
 

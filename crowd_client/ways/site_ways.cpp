@@ -91,17 +91,23 @@ void add_starts(const Navigation& navigation, WayField& field) {
     }
 }
 
-void solve_fields(Navigation& navigation, int threads) {
+void solve_fields(Navigation& navigation, std::span<const Vector2d> positions, int threads) {
     const SiteWays& site = *navigation.site;
+    const bool has_crowding = navigation.crowding > 0;
+    if (has_crowding) find_slowness(navigation, positions);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (std::size_t i = 0; i < navigation.fields.size(); ++i) {
         WayField& field = navigation.fields[i];
         add_starts(navigation, field);
         const GroupWays& group = site.groups[i / 2];
-        if (field.is_solved() && i % 2 == 1 && !site.have_shelters_changed) continue;  // no water
+        const bool may_differ = site.have_shelters_changed || has_crowding;
+        if (field.is_solved() && i % 2 == 1 && !may_differ) continue;  // no water
         if (i % 2 == 1 && !group.has_unwarned) continue;
         const bool knows = i % 2 == 0 && !group.slowness.empty();
-        march(field.travel, field.memory, navigation.grid, knows ? group.slowness : site.dry, field.starts);
+        const std::vector<double>& of_ground = knows ? group.slowness : site.dry;
+        std::vector<double> of_both = navigation.slowness;
+        for (std::size_t n = 0; has_crowding && n < of_ground.size(); ++n) of_both[n] *= of_ground[n];
+        march(field.travel, field.memory, navigation.grid, has_crowding ? of_both : of_ground, field.starts);
     }
 }
 
@@ -229,6 +235,7 @@ Navigation make_site_ways(const Scene& scene, const Agents& agents) {
             static_cast<std::uint64_t>(std::max(1.0, std::round(settings.every * scene.crowd->step_rate)));
     }
     navigation.way.assign(agents.size(), Vector2d::Zero());
+    navigation.crowding = settings.crowding;
     navigation.goal_radius = scene.crowd->goal_radius;
     navigation.by_fields_alone = true;
     navigation.sight.clearance = least_clearance(scene);
@@ -275,7 +282,7 @@ Navigation make_site_ways(const Scene& scene, const Agents& agents) {
     for (WayField& field : navigation.fields) {
         if (field.has_point) start_at_goal(navigation, field);
     }
-    solve_fields(navigation, 1);
+    solve_fields(navigation, {}, 1);  // step 1 knows the people outdoors
     navigation.solved = navigation.fields.size();
     if (settings.rule == NavigationRule::travel_time) {
         const std::string no_way = people_cut_off(navigation, scene, agents);
@@ -290,6 +297,7 @@ bool are_site_ways_due(const Navigation& navigation, std::uint64_t step) {
 
 void update_site_ways(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads) {
     SiteWays& site = *navigation.site;
+    site.are_fields_due |= navigation.crowding > 0;
     const bool was_wet = site.is_wet;
     site.is_wet = find_water(site, water, scene.fluid->rest_density);
     if (!site.is_wet && !was_wet && !site.is_stale) return;
@@ -304,10 +312,10 @@ void update_site_ways(Navigation& navigation, const Scene& scene, const WaterBin
     site.are_fields_due = true;
 }
 
-void solve_due_ways(Navigation& navigation, int threads) {
+void solve_due_ways(Navigation& navigation, std::span<const Vector2d> positions, int threads) {
     SiteWays& site = *navigation.site;
     if (!site.are_fields_due) return;
-    solve_fields(navigation, threads);
+    solve_fields(navigation, positions, threads);
     site.are_fields_due = site.have_shelters_changed = false;
 }
 

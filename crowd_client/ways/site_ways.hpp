@@ -47,8 +47,8 @@ inline constexpr double shelter_reach = 1;  // within which one is at a shelter,
 // Takes in this water, for which the fields become due.
 void update_site_ways(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads);
 
-// Solves the fields if they are due. While all people are indoors none is needed.
-void solve_due_ways(Navigation& navigation, int threads);
+// Solves the fields if they are due. While all people are indoors none is needed. positions: of the people outdoors, m.
+void solve_due_ways(Navigation& navigation, std::span<const Vector2d> positions, int threads);
 
 // Turns goal_offsets, m, into the ways that the active agents take, and notes who waits.
 void steer_in_site(Navigation& navigation, const Agents& agents, std::span<const std::uint32_t> active,

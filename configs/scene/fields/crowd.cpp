@@ -14,7 +14,6 @@ namespace {
 
 // Where keys of a site act, and those of a channel.
 const Acting beside_site{"beside /site", [](const Scene& scene) { return scene.site.has_value(); }, true};
-const Acting on_channel{"on a channel, not beside /site", [](const Scene& scene) { return !scene.site; }, true};
 
 // Whether people of a group answer the water by their bodies; of the crowd, whether some do.
 bool answers_by_body(const Scene& scene, const AgentGroup* group) {
@@ -94,12 +93,10 @@ void fields(NavigationSettings& navigation, Fields& f) {
              "between obstacles must be a cell plus 2 body_radius_m (1.44 with bodies) "
              "wide to be found "
              "for certain; auto takes smaller cells for narrower gaps, down to 0.1 m.");
-    f.acts_only(on_channel, [&] {
-        f.number("crowding", navigation.crowding, "", from(0).to(10),
-                 "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
-                 "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: "
-                 "not at all. 1: as measured crowds are slowed.");
-    });
+    f.number("crowding", navigation.crowding, "", from(0).to(10),
+             "How much people in the way count: agents expect to walk at the speed of Weidmann's curve for so many "
+             "times the density of people there, and choose ways round crowds, also where the goal is in sight. 0: "
+             "not at all. 1: as measured crowds are slowed.");
     f.acts_only({"beside /site or with /crowd/navigation/crowding above 0",
                  [&](const Scene& scene) { return scene.site || navigation.crowding > 0; }},
                 [&] {

@@ -153,9 +153,6 @@ TEST_CASE("people who start in a wall or without ground are refused, and so are 
     CHECK_THAT(load_or_refusal("", ground_raster(), R"(, "fluid": {"model": "kinematic"})"),
                Contains("/fluid/model: \"kinematic\" knows no ground but a channel's bed; allowed beside /site: "
                         "\"shallow_water\", \"dfsph\""));
-    CHECK_THAT(load_or_refusal("", ground_raster(), R"(, "crowd": {"navigation": {"crowding": 1}})"),
-               Contains("/crowd/navigation/crowding: 1 has no effect, as it acts only on a channel, not beside /site; "
-                        "allowed: 0."));
 }
 
 TEST_CASE("gaps between houses that are too narrow for particles are told with the spacing that they need") {

@@ -229,7 +229,7 @@ TEST_CASE("Fields that wait for the first person outdoors equal those solved at 
             const MadeUpWater none, wide = pond(2, 20, 2, 38, 0.1 + 0.1 * std::floor(t), 1.5),
                                     far = pond(40, 58, 2, 38, 0.3, 0.5);
             step(crowd, (t < 3 ? wide : t < 4 ? none : far).view());
-            if (solves_always) solve_due_ways(crowd.navigation, 1);
+            if (solves_always) solve_due_ways(crowd.navigation, crowd.positions, 1);
             if (t >= 5.5) {
                 for (const WayField& field : crowd.navigation.fields) travel.push_back(field.travel);
             }
@@ -241,6 +241,28 @@ TEST_CASE("Fields that wait for the first person outdoors equal those solved at 
     CHECK(std::get<0>(deferred) == std::get<0>(always));
     CHECK(std::get<2>(deferred) == std::get<2>(always));
     CHECK(std::get<3>(deferred).back() == std::get<3>(always).back());
+}
+
+TEST_CASE("With crowding the route leads to the shelter with fewer people before it") {
+    Scene scene = two_shelters(0);
+    AgentGroup one = scene.crowd->groups[0];
+    one.columns = one.rows = one.count = 1;
+    one.start_x = 29;
+    AgentGroup many = row_of_people(40, {12, 35}, 0.3, {0, 0});
+    many.name = "many";
+    many.goals = GoalRule::shelters;
+    many.desired_speed = 0.1;
+    scene.crowd->groups = {one, many};
+    const auto side = [&](double crowding, double every) {
+        scene.crowd->navigation.crowding = crowding;
+        scene.crowd->navigation.every = every;
+        CrowdWorld crowd = make_crowd(scene);
+        step(crowd, {});
+        return crowd.agents.position[0].x() - 29;
+    };
+    CHECK(side(0, 1) < 0);
+    CHECK(side(3, 1) > 0);
+    CHECK(side(3, 0) > 0);
 }
 
 TEST_CASE("A run in a site has the same bits for any number of threads") {
