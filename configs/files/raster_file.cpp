@@ -10,6 +10,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/files/map_system.hpp"
+#include "configs/files/plain_file.hpp"
 #include "configs/files/text_file.hpp"
 
 namespace wade {
@@ -240,16 +241,21 @@ void read_files_beside(const std::filesystem::path& file, RasterFile& raster, bo
     }
 }
 
+bool begins_as_tiff(const std::filesystem::path& file) {
+    using namespace std::string_view_literals;
+    constexpr std::array magics{"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv};
+    std::array<char, 4> magic{};
+    const std::size_t got = PlainFile(file).read(0, magic.data(), magic.size());
+    return std::find(magics.begin(), magics.end(), std::string_view(magic.data(), got)) != magics.end();
+}
+
 }  // namespace
 
 RasterFile read_raster(const std::filesystem::path& file) {
     constexpr std::size_t longest = std::size_t{2} << 30;
     const std::string name = file.string();
-    const std::string bytes = read_text_file(file, "the file " + name, longest);
-    const std::string_view magic = std::string_view(bytes).substr(0, 4);
-    using namespace std::string_view_literals;
-    constexpr std::array tiff{"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv};
-    const bool is_tiff = std::find(tiff.begin(), tiff.end(), magic) != tiff.end();
+    const bool is_tiff = begins_as_tiff(file);
+    const std::string bytes = (is_tiff ? read_file : read_text_file)(file, "the file " + name, longest);
     const std::size_t first = bytes.find_first_not_of(" \t\r\n");
     const std::string start = lower(std::string_view(bytes).substr(std::min(first, bytes.size()), 5));
     if (!is_tiff && start != "ncols" && start != "nrows")

@@ -1,6 +1,7 @@
 #include "configs/files/text_file.hpp"
 
 #include <array>
+#include <cstring>
 #include <string_view>
 
 #include "configs/errors/exit_code.hpp"
@@ -8,7 +9,9 @@
 
 namespace wade {
 
-std::string read_text_file(const std::filesystem::path& file, const std::string& context, std::size_t longest) {
+namespace {
+
+std::string read(const std::filesystem::path& file, const std::string& context, std::size_t longest, bool is_text) {
     const auto fail = [&context](const std::string& reason) -> void {
         throw ConfigurationError(context + " cannot be read: " + reason + ".");
     };
@@ -19,9 +22,23 @@ std::string read_text_file(const std::filesystem::path& file, const std::string&
     std::string text;
     std::array<char, 1 << 16> piece;
     while (const std::size_t got = plain.read(text.size(), piece.data(), piece.size())) {
+        if (is_text && std::memchr(piece.data(), 0, got) != nullptr) {
+            fail("it is no text in UTF-8, as it holds bytes of value 0");
+        }
         text.append(piece.data(), got);
         if (text.size() > longest) fail(too_long);
     }
+    return text;
+}
+
+}  // namespace
+
+std::string read_file(const std::filesystem::path& file, const std::string& context, std::size_t longest) {
+    return read(file, context, longest, false);
+}
+
+std::string read_text_file(const std::filesystem::path& file, const std::string& context, std::size_t longest) {
+    std::string text = read(file, context, longest, true);
     // Spreadsheets and Windows begin a text in UTF-8 with a mark.
     constexpr std::string_view mark = "\xEF\xBB\xBF";
     if (text.starts_with(mark)) text.erase(0, mark.size());

@@ -37,7 +37,7 @@ void make_paths_absolute(Json& document, const std::filesystem::path& folder) {
 void put_contents_for_paths(Json& document) {
     visit_paths(document, scene_keys(), [&](Json& path) {
         const auto file = path.get<std::string>();
-        path = fnv1a(read_text_file(file, "the file " + file, longest_file));
+        path = fnv1a(read_file(file, "the file " + file, longest_file));
     });
 }
 

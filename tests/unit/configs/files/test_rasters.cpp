@@ -111,6 +111,8 @@ TEST_CASE("a file that is no raster is refused with what makes one") {
     CHECK_THROWS_WITH(wade::read_raster(folder.write("a.tif", "hello")), Contains("neither a GeoTIFF nor"));
     CHECK_THROWS_WITH(wade::read_raster(folder.path() / "none.tif"), Contains("cannot be read"));
     CHECK_THROWS_WITH(wade::read_raster(folder.write("b.tif", std::string("II*\0\x08\0\0\0", 8))), Contains("no TIFF"));
+    const std::string zeros = "ncols 2\nnrows 2\n" + std::string(100'000, '\0');
+    CHECK_THROWS_WITH(wade::read_raster(folder.write("c.asc", zeros)), Contains("cannot be read: it is no text"));
 }
 
 TEST_CASE("a damaged raster is read or refused, never a crash") {
