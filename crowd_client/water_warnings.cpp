@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
+#include <map>
 #include <numbers>
 #include <sstream>
 #include <utility>
@@ -12,8 +14,10 @@
 #include "configs/scene/channel.hpp"
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/fluid.hpp"
+#include "configs/scene/interval.hpp"
 #include "configs/scene/scene_capacity.hpp"
 #include "configs/scene/world.hpp"
+#include "crowd_client/markers/placed_houses.hpp"
 #include "crowd_client/water/felt_water.hpp"
 
 namespace wade::crowd {
@@ -157,23 +161,62 @@ double width_of(const House& house) {
     return quarter - std::sqrt(std::max(0.0, quarter * quarter - std::abs(twice_area) / 2));
 }
 
+double median_of(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// The distance of each house to the nearest one that it does not touch, m; `most` where none is nearer.
+std::vector<double> gaps_between_houses(const Scene& scene, double most) {
+    constexpr double touching = 0.01;  // m
+    const PlacedHouses houses = houses_of(scene);
+    std::vector<double> gaps;
+    for (std::size_t h = 0; h < houses.plans.size(); ++h) {
+        std::map<std::size_t, double> distances;  // to other houses, by number
+        for (std::uint32_t s = houses.first_side[h]; s < houses.first_side[h + 1]; ++s) {
+            const Vector2d &a = houses.sides[s].from, &b = houses.sides[s].to;
+            const Interval x{std::min(a.x(), b.x()) - most, std::max(a.x(), b.x()) + most};
+            const Interval z{std::min(a.y(), b.y()) - most, std::max(a.y(), b.y()) + most};
+            for_each_side_near(houses, x, z, [&](const HouseSide& side) {
+                const auto number = static_cast<std::uint32_t>(&side - houses.sides.data());
+                if (number >= houses.first_side[h] && number < houses.first_side[h + 1]) return;
+                const auto after = std::upper_bound(houses.first_side.begin(), houses.first_side.end(), number);
+                const auto other = static_cast<std::size_t>(after - houses.first_side.begin()) - 1;
+                double& least = distances.try_emplace(other, most).first->second;
+                least = std::min(least, distance_between(side, a, b));
+            });
+        }
+        double gap = most;
+        for (const auto& [other, distance] : distances) {
+            if (distance > touching) gap = std::min(gap, distance);
+        }
+        gaps.push_back(gap);
+    }
+    return gaps;
+}
+
 // Cells across the houses of a site, and so across streets of that width: at least 3, the fewest that a flood model with parts
-// of cells asks for across a flow path (TUFLOW HPC with sub-grid sampling 3 to 4, its manual of 2025, table 3.1).
-// Of 3 to 4, 3 leaves the 2 m of the village without a warning; they were found equal to 1 m (`tools/wade converge village`).
+// of cells asks for across a flow path (TUFLOW HPC with sub-grid sampling 3 to 4, its manual of 2025, table 3.1). Across the gaps
+// between houses: at least 2, as then a gap holds a whole cell wherever the grid lies. Of 3 to 4, 3 leaves the 2 m of the village
+// without a warning; they were found equal to 1 m (`tools/wade converge village`).
 std::string warning_of_cells(const Scene& scene) {
-    constexpr double least = 3;
+    constexpr double least_of_house = 3, least_of_gap = 2;
     const bool has_cells = is_one_of(scene.fluid->model, {ModelKind::shallow_water, ModelKind::mixed});
     if (!scene.site || scene.site->houses.empty() || !has_cells) return "";
     std::vector<double> widths;
     for (const House& house : scene.site->houses) widths.push_back(width_of(house));
-    const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-    std::nth_element(widths.begin(), middle, widths.end());
-    const double cell = scene.fluid->shallow_water.cell_size;
-    if (*middle > 0.98 * least * cell) return "";
-    return "/fluid/shallow_water/cell_size_m: cells of " + in_digits(cell, 2) + " m, " + in_digits(*middle / cell, 2) +
-           " of them across a house (median): below " + in_digits(least, 2) +
-           " the people off their feet depend on the cells. Remedy: /fluid/shallow_water/cell_size_m " +
-           in_digits(*middle / least, 3) + " or less.";
+    const double cell = scene.fluid->shallow_water.cell_size, width = median_of(std::move(widths));
+    const double gap = median_of(gaps_between_houses(scene, least_of_gap * cell));
+    const auto warning = [cell](double size, double least, const std::string& what) {
+        return "/fluid/shallow_water/cell_size_m: cells of " + in_digits(cell, 2) + " m, " + in_digits(size / cell, 2) +
+               " of them across " + what + " (median): below " + in_digits(least, 2) +
+               " the people safe and off their feet depend on the cells. Remedy: /fluid/shallow_water/cell_size_m ";
+    };
+    const std::string remedy = in_digits(std::min(width / least_of_house, gap / least_of_gap), 3) + " or less.";
+    if (width <= 0.98 * least_of_house * cell) return warning(width, least_of_house, "a house") + remedy;
+    if (gap <= 0.98 * least_of_gap * cell) return warning(gap, least_of_gap, "the gap to the next house") + remedy;
+    return "";
 }
 
 }  // namespace

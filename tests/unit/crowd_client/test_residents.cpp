@@ -185,6 +185,26 @@ TEST_CASE("Fewer than three cells across the houses are told of with the cells t
     CHECK(told(4, 9, 0).empty());
 }
 
+TEST_CASE("Fewer than two cells across the gaps between houses are told of, and houses that touch have none") {
+    const auto told = [](double cell, double gap) {
+        Scene scene = one_house(1);
+        scene.fluid->model = ModelKind::shallow_water;
+        scene.fluid->shallow_water.cell_size = cell;
+        scene.site->houses[0].polygon = box(10, 20, 10, 28);
+        scene.site->houses.resize(4, scene.site->houses[0]);
+        scene.site->houses[1].polygon = box(20, 30, 10, 28);
+        scene.site->houses[2].polygon = box(30 + gap, 40 + gap, 10, 28);
+        scene.site->houses[3].polygon = box(10, 20, 28 + gap, 46);
+        std::string text;
+        for (const std::string& warning : water_warnings(scene)) text += warning;
+        return text;
+    };
+    CHECK(told(2, 4).empty());
+    CHECK_THAT(told(2.2, 3), Catch::Contains("1.4 of them across the gap to the next house") &&
+                                 Catch::Contains("cell_size_m 1.5 or less"));
+    CHECK(told(3, 8).empty());
+}
+
 TEST_CASE("A hundred thousand residents are made, and who is indoors costs no step") {
     Scene scene = one_house(0);
     scene.world = {.length = 1000, .width = 1000};
