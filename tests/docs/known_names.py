@@ -20,7 +20,7 @@ class Tree:
         listed = subprocess.run(
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=root, capture_output=True, text=True, check=True).stdout.split("\0")
-        self.files = {name for name in listed if name and (root / name).exists()}
+        self.files = {name for name in listed if name and (root / name).is_file()}
         self.folders = {str(parent) for name in self.files for parent in Path(name).parents} - {"."}
         self.top = {name.split("/")[0] for name in self.files}
         self.scene_folders = {name.split("/")[1] for name in self.files if re.match(r"configs/\w+/\w+\.json$", name)}
