@@ -6,8 +6,8 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from wade import progress
-from wade.suites.converge import COLUMNS, compared, counts, measures_of, people_verdict, report, settings_of, tell_how_far, verdict
+from wade import UsageError, progress
+from wade.suites.converge import COLUMNS, compared, counts, measures_of, parse, people_verdict, report, settings_of, tell_how_far, verdict
 from wade.suites.converge.cases import CASES, WALKING, Case, rates
 
 
@@ -25,6 +25,14 @@ class Measures(unittest.TestCase):
 
     def test_where_nobody_had_an_end_there_is_no_time(self):
         self.assertIsNone(measures_of([person("active")])["half had an end, s"])
+
+
+class Options(unittest.TestCase):
+    def test_factors_are_named_without_their_units(self):
+        self.assertEqual(parse(["--factors", "cell,walk*", "street"]).factor_names, ["cell, m", "walking law"])
+        for wrong in (["--factors", "m"], ["nowhere"]):
+            with self.assertRaisesRegex(UsageError, "no such case; allowed: "):
+                parse(wrong)
 
 
 class Verdicts(unittest.TestCase):

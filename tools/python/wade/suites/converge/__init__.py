@@ -24,6 +24,7 @@ import statistics
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 from wade import UsageError, plain_file, progress
 from wade.ensembles.plan import PlannedRun, plan_text
@@ -53,7 +54,7 @@ PATIENCE_S = "300"
 DRAWN = ("safe", "lost")
 SEEDS_OF_THREADS = 2  # bits do not need more
 FACTORS = list({factor.name: factor for case in CASES for factor in case.varied}.values())
-FACTOR_NAMES = [factor.name for factor in FACTORS]
+FACTORS_BY_WORD = {factor.name.split(",")[0]: factor.name for factor in FACTORS}  # without units, for --factors
 
 
 def measures_of(rows):
@@ -264,11 +265,16 @@ def parse(arguments):
     parser = parser_of("converge", "converge", __doc__, "converge.csv")
     parser.add_argument("cases", nargs="*", metavar="CASE", help=f"names or patterns of: {', '.join(c.name for c in CASES)} [all]")
     parser.add_argument("--factors", metavar="LIST", help="names or patterns, comma-separated, of: "
-                        + ", ".join(f"'{name}'" for name in FACTOR_NAMES) + " [all]")
+                        + ", ".join(f"'{word}'" if " " in word else word for word in FACTORS_BY_WORD) + " [all]")
     parser.add_argument("--seeds", type=seed_range, default=range(1, 21), metavar="A-B", help="to begin with [1-20]")
     parser.add_argument("--most-seeds", type=whole(1), default=80, metavar="N", help="of what is undecided [80]")
     options = parser.parse_args(arguments)
-    options.factor_names = [factor.name for factor in choose(FACTORS, options.factors, "--factors")]
+    words = [SimpleNamespace(name=word) for word in FACTORS_BY_WORD]
+    try:
+        options.factor_names = [FACTORS_BY_WORD[word.name] for word in choose(words, options.factors, "--factors")]
+        options.chosen = choose(CASES, ",".join(options.cases) or None, "CASE")
+    except ValueError as error:
+        raise UsageError(f"converge: {error}") from error
     options.command = shlex.join(["tools/wade", "converge", *arguments])
     return options
 
@@ -276,8 +282,7 @@ def parse(arguments):
 def main(arguments):
     """tools/wade converge."""
     options = parse(arguments)
-    chosen = [case for case in choose(CASES, ",".join(options.cases) or None)
-              if (case.quick or not options.quick) and varied_in(case, options)]
+    chosen = [case for case in options.chosen if (case.quick or not options.quick) and varied_in(case, options)]
     rows = []
     if options.quick:
         shutil.rmtree(options.out / "quick", ignore_errors=True)
