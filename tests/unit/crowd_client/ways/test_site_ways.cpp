@@ -248,10 +248,10 @@ TEST_CASE("With crowding the route leads to the shelter with fewer people before
     AgentGroup one = scene.crowd->groups[0];
     one.columns = one.rows = one.count = 1;
     one.start_x = 29;
-    // They slow the 27 m to the left by 9, which is more than the right is farther.
-    AgentGroup many = row_of_people(11, {9, 16}, 1.5, {0, 0});
+    // They slow 14 of the 27 m to the left by half, and the right is 2 m farther.
+    AgentGroup many = row_of_people(9, {9, 16}, 1.5, {0, 0});
     many.name = "many";
-    many.rows = 13, many.count = 11 * 13, many.pitch_z = 1.5;
+    many.rows = 14, many.count = 9 * 14, many.pitch_z = 1.5;
     many.goals = GoalRule::shelters;
     many.desired_speed = 0.1;
     scene.crowd->groups = {one, many};
