@@ -172,7 +172,7 @@ try {
   await page.fill('#time', '3');
   await page.waitForFunction(() => Math.abs(wade.at().time - 3) < 0.02 && Math.abs(wade.at().water - 3) <= 0.5, null, patient);
   await page.waitForFunction(() => wade.at().people === 6, null, patient);
-  const [x, y] = await page.evaluate(() => wade.siteOf(wade.show.people.shown[2].id));
+  const [x, y] = await page.evaluate(() => wade.placeOf(wade.show.people.shown[2].id));
   await page.mouse.click(x, y);
   await page.waitForSelector('#who.open');
   await page.waitForFunction(() => /Eq. 9/.test(document.querySelector('#who').textContent), null, patient);
