@@ -172,7 +172,7 @@ std::vector<double> gaps_between_houses(const Scene& scene, double most) {
     constexpr double touching = 0.01;  // m
     const PlacedHouses houses = houses_of(scene);
     std::vector<double> gaps;
-    for (std::size_t h = 0; h < houses.plans.size(); ++h) {
+    for (std::size_t h = 0; h < scene.site->houses.size(); ++h) {
         std::map<std::size_t, double> distances;  // to other houses, by number
         for (std::uint32_t s = houses.first_side[h]; s < houses.first_side[h + 1]; ++s) {
             const Vector2d &a = houses.sides[s].from, &b = houses.sides[s].to;
@@ -189,7 +189,7 @@ std::vector<double> gaps_between_houses(const Scene& scene, double most) {
         }
         double gap = most;
         for (const auto& [other, distance] : distances) {
-            if (distance > touching) gap = std::min(gap, distance);
+            if (distance > touching && other < scene.site->houses.size()) gap = std::min(gap, distance);
         }
         gaps.push_back(gap);
     }

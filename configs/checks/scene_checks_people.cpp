@@ -147,7 +147,7 @@ bool water_changes(const Scene& scene) {
     if (scene.fluid->model == ModelKind::kinematic) return scene.channel->initial_river == InitialRiver::dry;
     if (!scene.site) return scene.channel->flow != Flow::closed || !scene.channel->water_blocks.empty();
     const Site& site = *scene.site;
-    return !site.sources.empty() || !site.rain.empty() || !site.outlets.empty() || !site.gates.empty() ||
+    return !site.sources.empty() || !site.rain.empty() || !site.outlets.empty() || !site.barriers.empty() ||
            site.water_depth || site.water.size() > 1;
 }
 

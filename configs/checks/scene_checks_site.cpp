@@ -337,6 +337,18 @@ void check_crowding(const Scene& scene, const HouseFinder& houses, const std::st
                ", as bodies of radius " + short_number(radius) + " m (/crowd/body_radius_m) fill the world.");
 }
 
+// Refuses a flood wall that stands nowhere above the ground.
+void check_crest(const Barrier& wall, const Ground& ground, const std::string& source) {
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const MapPoint& p : wall.line) {
+        if (has_ground(ground, p)) lowest = std::min(lowest, ground_height(ground, p));
+    }
+    if (wall.crest > lowest) return;
+    refuse_shape(source, wall.label,
+                 "crest_m " + short_number(wall.crest) + " is below the ground at all of its points, at " +
+                     short_number(lowest) + " m and more; allowed: above it somewhere.");
+}
+
 // The first agent of each group that starts in a wall or where there is no ground.
 void check_starts_on_site(const Scene& scene, const HouseFinder& houses, const std::string& source,
                           Problems& problems) {
@@ -389,7 +401,10 @@ void check_site(const Scene& scene, const std::string& source, Problems& problem
     for (const ManningZone& zone : site.roughness.zones) check_shape(zone.polygon, {}, areas, zone.label);
     for (const StandingWater& water : site.water)
         if (!water.polygon.rings.empty()) check_shape(water.polygon, {}, areas, water.label);
-    for (const Gate& gate : site.gates) check_shape({}, gate.line, works, gate.label);
+    for (const Barrier& barrier : site.barriers) {
+        if (check_shape({}, barrier.line, works, barrier.label))
+            problems.attempt([&] { check_crest(barrier, site.ground, source); });
+    }
     std::set<std::string> names;
     for (const Gauge& gauge : site.gauges) {
         problems.attempt([&] {

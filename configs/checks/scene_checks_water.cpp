@@ -229,6 +229,14 @@ void check_particles_on_site(const Scene& scene, const std::string& source, Prob
                "particles are too large for drops; allowed with /fluid/model \"dfsph\": no rain. Remedy: the model "
                "\"shallow_water\".");
     });
+    for (const Barrier& barrier : site.barriers) {
+        problems.attempt([&] {
+            if (!std::isfinite(barrier.crest)) return;
+            refuse(source, barrier.label,
+                   "particles are larger than a flood wall is thick; allowed with /fluid/model \"dfsph\": no walls. "
+                   "Remedy: a house along the line, over which no water runs, or the model \"shallow_water\".");
+        });
+    }
     for (const Outlet& outlet : site.outlets) {
         problems.attempt([&] {
             if (outlet.kind == OutletKind::free) return;

@@ -1,6 +1,7 @@
 #include "configs/files/polygon_validity.hpp"
 
 #include <algorithm>
+#include <boost/geometry/algorithms/buffer.hpp>
 #include <boost/geometry/algorithms/correct.hpp>
 #include <boost/geometry/algorithms/envelope.hpp>
 #include <boost/geometry/algorithms/intersects.hpp>
@@ -9,6 +10,8 @@
 #include <boost/geometry/algorithms/relate.hpp>
 #include <boost/geometry/core/exception.hpp>
 #include <boost/geometry/geometries/box.hpp>
+#include <boost/geometry/geometries/linestring.hpp>
+#include <boost/geometry/geometries/multi_polygon.hpp>
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
 #include <boost/geometry/strategies/strategies.hpp>
@@ -98,6 +101,26 @@ bool PolygonValidity::take_work(const std::vector<MapPolygon>& parts) {
         work_left_ -= pairs;
     }
     return true;
+}
+
+MapPolygon widened(const MapLine& line, double width) {
+    namespace by = bg::strategy::buffer;
+    const MapPoint origin = line.front();
+    bg::model::linestring<Corner> middle;
+    for (const MapPoint& p : line) middle.emplace_back(p.x - origin.x, p.z - origin.z);
+    bg::model::multi_polygon<Part> parts;
+    bg::buffer(middle, parts, by::distance_symmetric<double>(0.5 * width), by::side_straight(), by::join_miter(),
+               by::end_flat(), by::point_square());
+    MapPolygon polygon;
+    const auto add = [&](const auto& ring) {
+        MapLine& corners = polygon.rings.emplace_back();
+        for (const Corner& corner : ring) corners.push_back({origin.x + corner.x(), origin.z + corner.y()});
+    };
+    for (const Part& part : parts) {
+        add(part.outer());
+        for (const auto& hole : part.inners()) add(hole);
+    }
+    return polygon;
 }
 
 std::string PolygonValidity::fault_of(const std::vector<MapPolygon>& parts) {

@@ -9,6 +9,9 @@
 
 namespace wade {
 
+// Returns the polygon of a line of this width, m, with square ends and mitred corners; its holes are rings.
+[[nodiscard]] MapPolygon widened(const MapLine& line, double width);
+
 class PolygonValidity {
  public:
     // Returns what makes a polygon of several parts invalid, with the point and the remedy: edges that cross or lie on one another,

@@ -105,6 +105,7 @@ class SiteReader {
         });
         each("/outlets", keys_.outlets, [&](const auto& key, const auto& pointer) { read_outlets(key, pointer); });
         each("/gates", keys_.gates, [&](const auto& key, const auto& pointer) { read_gates(key, pointer); });
+        each("/walls", keys_.walls, [&](const auto& key, const auto& pointer) { read_walls(key, pointer); });
         each("/water", keys_.water, [&](const auto& key, const auto& pointer) { read_water(key, pointer); });
         take("/water_depth_file", [&] {
             if (!keys_.water_depth) return;
@@ -295,9 +296,9 @@ class SiteReader {
         key.range.hi = std::min(key.range.hi, std::ceil(highest_ + reach));
         return key;
     }
-    void check_level(double level, const std::string& label) const {
+    void check_level(double level, const std::string& label, const char* key = "level_m") const {
         if (const std::string fault = fault_of_value(level, level_key("water")); !fault.empty())
-            throw ConfigurationError(source_ + ": " + label + ": level_m: " + fault);
+            throw ConfigurationError(source_ + ": " + label + ": " + key + ": " + fault);
     }
 
     void find_heights(double length, double width) {
@@ -400,7 +401,22 @@ class SiteReader {
     void read_gates(const GateKeys& key, const std::string& pointer) {
         for (Shape& shape : shapes(pointer, key.file, {}, key.line, false, true)) {
             const GateKeys own = keys_of_shape(shape, key, {"name", "opens_at_s"});
-            site_.gates.push_back({own.name, std::move(shape.line), own.opens_at, shape.label});
+            Barrier& gate = site_.barriers.emplace_back(Barrier{.name = own.name, .line = std::move(shape.line)});
+            gate.opens_at = own.opens_at;
+            gate.label = shape.label;
+        }
+    }
+
+    void read_walls(const WallKeys& key, const std::string& pointer) {
+        constexpr double thickness = 0.2;  // m
+        for (Shape& shape : shapes(pointer, key.file, {}, key.line, false, true)) {
+            const WallKeys own = keys_of_shape(shape, key, {"name", "crest_m"});
+            if (!own.crest) fail(pointer, "crest_m is missing; allowed: the level of the wall's top, m.");
+            check_level(*own.crest, shape.label, "crest_m");
+            Barrier& wall = site_.barriers.emplace_back(Barrier{.name = own.name, .line = std::move(shape.line)});
+            wall.crest = *own.crest;
+            wall.plan = widened(wall.line, thickness);
+            wall.label = shape.label;
         }
     }
 

@@ -133,11 +133,13 @@ struct Outlet {
     std::string label{};
 };
 
-// A wall along a line that is gone from a time on.
-struct Gate {
+// A thin wall along a line: a flood wall, or a gate that is gone from a time on.
+struct Barrier {
     std::string name;
     MapLine line;
-    double opens_at = 0;  // s
+    double crest = std::numeric_limits<double>::infinity();     // level of its top, m; infinite: no water runs over it
+    double opens_at = std::numeric_limits<double>::infinity();  // s; infinite: it stays
+    MapPolygon plan{};                                          // of a flood wall, for people
     std::string label{};
 };
 
@@ -175,7 +177,7 @@ struct Site {
     std::vector<Source> sources;
     Series rain;  // mm/h, on every cell that is no house; empty: none
     std::vector<Outlet> outlets;
-    std::vector<Gate> gates;
+    std::vector<Barrier> barriers;
     std::vector<StandingWater> water;  // at t = 0
     std::string water_file;            // raster of depths at t = 0, m
     std::shared_ptr<const Raster> water_depth;

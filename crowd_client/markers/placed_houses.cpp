@@ -117,6 +117,9 @@ PlacedHouses houses_of(const Scene& scene) {
     for (const Obstacle& o : scene.obstacles) {
         plans.push_back({{{{o.x.lo, o.z.lo}, {o.x.hi, o.z.lo}, {o.x.hi, o.z.hi}, {o.x.lo, o.z.hi}}}});
     }
+    for (const Barrier& barrier : scene.site->barriers) {
+        if (!barrier.plan.rings.empty()) plans.push_back(barrier.plan);
+    }
     return place_houses(std::move(plans));
 }
 

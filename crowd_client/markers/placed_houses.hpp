@@ -51,7 +51,7 @@ struct PlacedHouses {
 
 [[nodiscard]] PlacedHouses place_houses(std::vector<MapPolygon> plans);
 
-// The houses of the scene's site, and its obstacles; none without a site.
+// The houses of the scene's site, then its obstacles and flood walls; none without a site.
 [[nodiscard]] PlacedHouses houses_of(const Scene& scene);
 
 [[nodiscard]] bool is_in_a_house(const PlacedHouses& houses, const Vector2d& p);

@@ -11,6 +11,7 @@
 
 #include "configs/scene/channel.hpp"
 #include "fluid_server/shallow_water/face_flux-inl.hpp"
+#include "fluid_server/shallow_water/weir_flux.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace wade::fluid::shallow_water::HWY_NAMESPACE {
@@ -147,6 +148,25 @@ void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size
     });
 }
 
+// Replaces the flux through the faces of flood walls of row k within (begin, end). lower, upper: cells below and above the faces,
+// by column of the upper one.
+void flow_over_walls(const EntriesByRow<WeirFace>& weirs, std::size_t k, std::size_t begin, std::size_t end,
+                     const Cells& lower, const Cells& lower_rise, const Cells& upper, const Cells& upper_rise,
+                     const FluxConstants& constants, double per_length, const FluxRow& flux) {
+    if (weirs.empty()) return;
+    for_each_in(weirs, k, begin, end, [&](const WeirFace& weir) {
+        const std::size_t i = weir.column;
+        const auto side = [i](const Cells& cells, const Cells& rise, double sign) {
+            return WeirSide{cells.h[i] + sign * rise.h[i], cells.eta[i] + sign * rise.eta[i],
+                            cells.normal[i] + sign * rise.normal[i], cells.along[i] + sign * rise.along[i]};
+        };
+        const WeirFlux over = weir_flux(side(lower, lower_rise, 1), side(upper, upper_rise, -1), weir.crest,
+                                        weir.length, constants.gravity, constants.dry, per_length);
+        flux.mass[i] = weir.open * over.mass, flux.along[i] = weir.open * over.along;
+        flux.into_lower[i] = weir.open * over.into_lower, flux.into_upper[i] = weir.open * over.into_upper;
+    });
+}
+
 struct OldRow {
     const double *h, *qx, *qz;
 };
@@ -259,15 +279,17 @@ struct BandUpdate {
             const auto move = friction ? move_half_a_step<true> : move_half_a_step<false>;
             move(along_x(p, c), x, z, row.half_slowed + i, n, per_x, per_z, 0.5 * dt * world.acceleration, constants,
                  half);
-            flow_along(c, i, n, row);
+            flow_along(of, c, i, n, row);
         });
     }
-    void flow_along(std::size_t c, std::size_t i, std::size_t n, const RowAhead& row) const {
+    void flow_along(std::size_t of, std::size_t c, std::size_t i, std::size_t n, const RowAhead& row) const {
         const auto first = static_cast<std::ptrdiff_t>(i), last = first + static_cast<std::ptrdiff_t>(n) - 1;
         look_beyond(row, first, last);
         find_fluxes(row.half.from(first - 1), row.rise_x.from(first - 1), row.half.from(first), row.rise_x.from(first),
                     world.walls_x.from(c, grid), openings.narrowed_x.from(openings.face_x, c, grid), n + 1, constants,
                     row.flux_x.from(i));
+        flow_over_walls(openings.weirs_x, of, i + 1, i + n, row.half.from(-1), row.rise_x.from(-1), row.half,
+                        row.rise_x, constants, per_x, row.flux_x);
         if (flow == Flow::emitter) {
             set_inflow(row.flux_x, grid.nx, discharge, world.scene.channel->depth, row.half.h[last],
                        row.half.normal[last], constants.gravity);
@@ -325,6 +347,8 @@ struct BandUpdate {
             find_fluxes(of(work.rows[0]), work.rows[0].rise_z.from(i), of(work.rows[1]), work.rows[1].rise_z.from(i),
                         world.walls_z.from(up + i, grid), openings.narrowed_z.from(openings.face_z, up + i, grid), n,
                         constants, flux.from(i));
+            flow_over_walls(openings.weirs_z, in_grid(k + 1), i, i + n, across(work.rows[0].half), work.rows[0].rise_z,
+                            across(work.rows[1].half), work.rows[1].rise_z, constants, per_z, flux);
         };
         if (k < 0) return active.for_each_span(0, find);
         if (static_cast<std::size_t>(k) + 1 == grid.nz) return active.for_each_span(grid.nz - 1, find);

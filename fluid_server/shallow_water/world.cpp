@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -192,10 +193,9 @@ Passed exchange(ShallowWater& world, double dt) {
 }
 
 void set_openings(ShallowWater& world, double time) {
-    std::vector<MapLine> closed;
-    for (const Gate& gate : world.scene.site->gates) {
-        if (gate.opens_at > time) closed.push_back(gate.line);
-    }
+    std::vector<Barrier> closed;
+    std::ranges::copy_if(world.scene.site->barriers, std::back_inserter(closed),
+                         [time](const Barrier& barrier) { return barrier.opens_at > time; });
     world.openings = find_openings(world.grid, world.scene.site->houses, world.bed.ground, closed);
     world.bed.height = world.bed.ground;
     std::replace_if(

@@ -122,11 +122,11 @@ void check_site(const Site& here, const Site& there, const Comparison& compare) 
         compare.same_number(pointer, rings.size(), others.size());
         for (std::size_t r = 0; r < rings.size(); ++r) check_lines(pointer, rings[r], others[r], compare);
     }
-    compare.same_number("/site/gates", here.gates.size(), there.gates.size());
-    for (std::size_t g = 0; g < here.gates.size(); ++g) {
+    compare.same_number("/site/gates", here.barriers.size(), there.barriers.size());
+    for (std::size_t g = 0; g < here.barriers.size(); ++g) {
         const std::string pointer = "/site/gates/" + std::to_string(g);
-        check_lines(pointer + "/line", here.gates[g].line, there.gates[g].line, compare);
-        compare.same(pointer + "/opens_at_s", here.gates[g].opens_at, there.gates[g].opens_at);
+        check_lines(pointer + "/line", here.barriers[g].line, there.barriers[g].line, compare);
+        compare.same(pointer + "/opens_at_s", here.barriers[g].opens_at, there.barriers[g].opens_at);
     }
 }
 

@@ -59,6 +59,7 @@ FEATURES = {
         "ground with gaps": {"/site/epsg": 0, "/site/ground": {"file": "gaps.asc"}},
         "houses": {"/site/houses": [{"polygon": POLYGON}]},
         "gates": {"/site/gates": [{"line": [[30, 0], [30, 24]], "opens_at_s": 0.5}]},
+        "flood walls": {"/site/walls": [{"line": [[20, 0], [20, 24]], "crest_m": 0.6}]},
         "sources": {"/site/sources": [{"line": [[50, 5], [50, 20]], "discharge_m3_s": 3}]},
         "outlets: free": {"/site/outlets": [{"line": [[0, 4], [0, 20]]}]},
         "outlets: stage": {"/site/outlets": [{"line": [[0, 4], [0, 20]], "kind": "stage", "level_m": 1}]},

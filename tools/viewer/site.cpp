@@ -60,8 +60,13 @@ std::string site_json(const Site& site) {
             {{"name", shelter.name}, {"exit", shelter.is_exit}, {"rings", rings_of(shelter.polygon)}});
     double level = std::numeric_limits<double>::lowest();
     for (const StandingWater& water : site.water) level = std::max(level, water.level);
-    for (const Gate& gate : site.gates)
-        shown["gates"].push_back({{"name", gate.name}, {"opens_at", gate.opens_at}, {"line", points_of(gate.line)}});
+    for (const Barrier& barrier : site.barriers) {
+        const auto finite = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+        shown["gates"].push_back({{"name", barrier.name},
+                                  {"crest", finite(barrier.crest)},
+                                  {"opens_at", finite(barrier.opens_at)},
+                                  {"line", points_of(barrier.line)}});
+    }
     shown["sources"] = flows_of(site.sources);
     shown["outlets"] = flows_of(site.outlets);
     shown["highest_water"] = site.water.empty() ? Json() : Json(level);

@@ -30,6 +30,7 @@ void fields(SourceKeys& source, Fields& f);
 void fields(RainKeys& rain, Fields& f);
 void fields(OutletKeys& outlet, Fields& f);
 void fields(GateKeys& gate, Fields& f);
+void fields(WallKeys& wall, Fields& f);
 void fields(WaterKeys& water, Fields& f);
 void fields(ShelterKeys& shelter, Fields& f);
 

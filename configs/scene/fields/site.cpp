@@ -108,6 +108,14 @@ void fields(GateKeys& gate, Fields& f) {
     f.number("opens_at_s", gate.opens_at, "s", from(0).to(1e6), "When it is gone.");
 }
 
+void fields(WallKeys& wall, Fields& f) {
+    name_field(f, wall.name);
+    f.path("file", wall.file, "GeoJSON with its lines; their property crest_m stands over the key here.");
+    line_field(f, wall.line, "Along these points, at least two, or else file.");
+    f.number("crest_m", wall.crest, "m", level_range, "Level of its top, over which higher water runs.",
+             otherwise("what the file says"));
+}
+
 void fields(WaterKeys& water, Fields& f) {
     f.path("file", water.file, polygons_file);
     polygon_field(f, water.polygon, "Its corners in order, at least three, or else file; neither: everywhere.");
@@ -146,6 +154,9 @@ void fields(SiteKeys& site, Fields& f) {
     f.object("rain", site.rain, "Rain on all that is no house.");
     f.list("outlets", site.outlets, "Where water leaves; elsewhere the edge of the site is a wall.");
     f.list("gates", site.gates, "Walls that are gone from a time on: a dam that breaks, a gate that opens.");
+    f.list("walls", site.walls,
+           "Flood walls: thin walls that higher water runs over by the law of a sharp-crested weir, and people do not "
+           "cross. Of /fluid/model shallow_water.");
     f.list("water", site.water, "Water that stands at a level at t = 0.");
     f.path("water_depth_file", site.water_depth, "Raster of the water's depth at t = 0.");
     f.list(

@@ -68,6 +68,13 @@ struct GateKeys {
     double opens_at = 0;
 };
 
+struct WallKeys {
+    std::string name;
+    std::optional<std::string> file;  // lines
+    MapLine line;
+    std::optional<double> crest;
+};
+
 struct WaterKeys {
     std::optional<std::string> file;  // polygons
     MapLine polygon;
@@ -98,6 +105,7 @@ struct SiteKeys {
     RainKeys rain;
     std::vector<OutletKeys> outlets;
     std::vector<GateKeys> gates;
+    std::vector<WallKeys> walls;
     std::vector<WaterKeys> water;
     std::optional<std::string> water_depth;  // a raster
     std::vector<GaugeKeys> gauges;

@@ -185,7 +185,7 @@ SiteShape site_shape(const Scene& scene) {
     shape.x = {0, scene.world->length};
     shape.z = {0, scene.world->width};
     for (const House& house : site.houses) shape.houses.push_back(house.polygon);
-    shape.gates = site.gates;
+    shape.gates = site.barriers;
     shape.ground = ground_grid(site.ground, scene.world, scene.fluid->particle_spacing);
     const double reach = 2 * scene.fluid->particle_spacing;
     const MapPoint a{shape.x.lo, shape.z.lo}, b{shape.x.hi, shape.z.lo}, c{shape.x.lo, shape.z.hi},

@@ -57,7 +57,7 @@ std::vector<Piece> outlines(const SiteShape& shape, double time, double margin) 
                 pieces.push_back({ring[k], ring[(k + 1) % ring.size()], false, static_cast<std::int32_t>(h)});
         }
     }
-    for (const Gate& gate : shape.gates) {
+    for (const Barrier& gate : shape.gates) {
         for (std::size_t k = 1; gate.opens_at > time && k < gate.line.size(); ++k)
             pieces.push_back({gate.line[k - 1], gate.line[k], true});
     }

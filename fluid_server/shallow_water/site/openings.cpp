@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 
 #include "configs/numbers/portable.hpp"
@@ -27,7 +28,8 @@ using Sides4 = std::array<double, 4>;
 struct OpenGrid {
     std::size_t nx, nz;
     std::vector<double> share;
-    std::vector<double> face_x, face_z;  // k * (nx + 1) + i, k * nx + i
+    std::vector<double> face_x, face_z;                // k * (nx + 1) + i, k * nx + i
+    std::map<std::size_t, WeirFace> weirs_x, weirs_z;  // by face
 
     [[nodiscard]] Sides4 faces(std::size_t cell) const {
         const std::size_t i = cell % nx, k = cell / nx;
@@ -142,8 +144,10 @@ MapLine up_to_walls(const OpenGrid& open, const Grid& grid, MapLine line) {
     return line;
 }
 
-// Closes the faces between centres of cells that a line parts.
-void close_faces(OpenGrid& open, const Grid& grid, const MapLine& line) {
+// Closes the faces between centres of cells that a line parts. In a row of such faces a line of direction (x, z) has the length
+// 1 / (|x| + |z|) of theirs.
+void close_faces(OpenGrid& open, const Grid& grid, const MapLine& line, double crest) {
+    double length = 0;
     const auto parts = [&](std::size_t cell, std::size_t other) {
         const auto centre = [&](std::size_t c) {
             const std::size_t column = c % open.nx, row = c / open.nx;
@@ -158,6 +162,7 @@ void close_faces(OpenGrid& open, const Grid& grid, const MapLine& line) {
             if ((at_p > 0) == (at_q > 0)) continue;
             const double f = at_p / (at_p - at_q), x = p.x + f * (q.x - p.x), z = p.z + f * (q.z - p.z);
             const double t = ((x - a.x) * tx + (z - a.z) * tz) / (tx * tx + tz * tz);
+            length = length_of(tx, tz) / (std::abs(tx) + std::abs(tz));
             if (t >= 0 && t <= 1) return true;
         }
         return false;
@@ -165,23 +170,37 @@ void close_faces(OpenGrid& open, const Grid& grid, const MapLine& line) {
     for (const std::size_t cell : cells_on(grid, line)) {
         for (std::size_t side = 0; side < 4; ++side) {
             const std::size_t other = open.beyond(cell, side);
-            if (other != cell && parts(cell, other)) open.face(cell, static_cast<Side>(side)) = 0;
+            if (other == cell || !parts(cell, other)) continue;
+            double& share = open.face(cell, static_cast<Side>(side));
+            const bool along_x = side == x_lower || side == x_upper;
+            auto& weirs = along_x ? open.weirs_x : open.weirs_z;
+            const double* const first = along_x ? open.face_x.data() : open.face_z.data();
+            const std::size_t number = static_cast<std::size_t>(&share - first),
+                              width = along_x ? open.nx + 1 : open.nx;
+            if (const auto known = weirs.find(number); known != weirs.end()) {  // the higher wall holds the water
+                known->second.crest = std::max(known->second.crest, crest);
+            } else if (share > 0) {
+                weirs[number] = {static_cast<std::uint32_t>(number % width), crest, length, share};
+            }
+            share = 0;
         }
     }
 }
 
 OpenGrid open_grid(const Grid& grid, const std::vector<House>& houses, const RowMemory& ground,
-                   const std::vector<MapLine>& gates) {
+                   const std::vector<Barrier>& barriers) {
     std::vector<const MapPolygon*> polygons;
     polygons.reserve(houses.size());
     for (const House& house : houses) polygons.push_back(&house.polygon);
     const Cover cover = cover_of(grid, polygons);
-    OpenGrid open{grid.nx, grid.nz, cover.cell, cover.face_x, cover.face_z};
+    OpenGrid open{grid.nx, grid.nz, cover.cell, cover.face_x, cover.face_z, {}, {}};
     for (std::vector<double>* shares : {&open.share, &open.face_x, &open.face_z}) {
         for (double& s : *shares) s = 1 - s;
     }
     keep_largest_parts(open, cover);
-    for (const MapLine& gate : gates) close_faces(open, grid, up_to_walls(open, grid, gate));
+    for (const Barrier& barrier : barriers) {
+        close_faces(open, grid, up_to_walls(open, grid, barrier.line), barrier.crest);
+    }
     for (std::vector<double>* shares : {&open.face_x, &open.face_z}) {
         for (double& s : *shares) s = s < least_opening ? 0 : s;
     }
@@ -198,6 +217,16 @@ OpenGrid open_grid(const Grid& grid, const std::vector<House>& houses, const Row
         if (open.share[cell] > 0) continue;
         for (std::size_t side = 0; side < 4; ++side) open.face(cell, static_cast<Side>(side)) = 0;
     }
+    const auto holds = [&](std::size_t lower, std::size_t upper, const WeirFace& weir) {
+        return std::isfinite(weir.crest) && weir.open >= least_opening && open.share[lower] > 0 &&
+               open.share[upper] > 0;
+    };
+    std::erase_if(open.weirs_x, [&](const auto& weir) {
+        const std::size_t cell = weir.first / (open.nx + 1) * open.nx + weir.second.column;
+        return !holds(cell - 1, cell, weir.second);
+    });
+    std::erase_if(open.weirs_z,
+                  [&](const auto& weir) { return !holds(weir.first - open.nx, weir.first, weir.second); });
     return open;
 }
 
@@ -284,6 +313,21 @@ EntriesByRow<Entry> by_row(std::size_t rows, Body&& body) {
     return result;
 }
 
+// What flood walls push is part of the flux over them.
+OpenGrid without_weirs(OpenGrid open) {
+    for (const auto& [face, weir] : open.weirs_x) open.face_x[face] = weir.open;
+    for (const auto& [face, weir] : open.weirs_z) open.face_z[face] = weir.open;
+    return open;
+}
+
+EntriesByRow<WeirFace> weir_faces(const std::map<std::size_t, WeirFace>& weirs, std::size_t rows, std::size_t width) {
+    if (weirs.empty()) return {};
+    return by_row<WeirFace>(rows, [&](std::size_t k, std::vector<WeirFace>& entries) {
+        const auto end = weirs.lower_bound((k + 1) * width);
+        for (auto weir = weirs.lower_bound(k * width); weir != end; ++weir) entries.push_back(weir->second);
+    });
+}
+
 EntriesByRow<WallCell> wall_cells(const OpenGrid& open) {
     return by_row<WallCell>(open.nz, [&](std::size_t k, std::vector<WallCell>& entries) {
         for (std::size_t i = 0; i < open.nx; ++i) {
@@ -313,9 +357,9 @@ EntriesByRow<OneSided> one_sided(const OpenGrid& open, Side lower, Side upper) {
 }  // namespace
 
 Openings find_openings(const Grid& grid, const std::vector<House>& houses, const RowMemory& ground,
-                       const std::vector<MapLine>& gates) {
+                       const std::vector<Barrier>& barriers) {
     Openings result;
-    const OpenGrid open = open_grid(grid, houses, ground, gates);
+    const OpenGrid open = open_grid(grid, houses, ground, barriers);
     const auto whole = [](const std::vector<double>& v) {
         return std::all_of(v.begin(), v.end(), [](double s) { return s >= 1; });
     };
@@ -340,7 +384,9 @@ Openings find_openings(const Grid& grid, const std::vector<House>& houses, const
             result.per_share[c] = s > 0 ? 1 / s : 0;
         }
     }
-    result.walls = wall_cells(open);
+    result.walls = wall_cells(without_weirs(open));
+    result.weirs_x = weir_faces(open.weirs_x, open.nz, open.nx + 1);
+    result.weirs_z = weir_faces(open.weirs_z, open.nz, open.nx);
     result.slopes_x = one_sided(open, x_lower, x_upper);
     result.slopes_z = one_sided(open, z_lower, z_upper);
     const Lines lines(grid, false);

@@ -48,6 +48,15 @@ struct EntriesByRow {
     std::vector<std::size_t> begin;
 
     [[nodiscard]] bool any(std::size_t k) const { return begin[k] < begin[k + 1]; }
+    [[nodiscard]] bool empty() const { return entries.empty(); }
+};
+
+// A face closed by a flood wall, over which water runs above the crest: see weir_flux.hpp. The face lies below the cell.
+struct WeirFace {
+    std::uint32_t column = 0;
+    double crest = 0;   // m
+    double length = 0;  // of the wall over that of the face
+    double open = 0;    // share of the face without the wall
 };
 
 struct MemberPlace {
@@ -78,6 +87,7 @@ struct Openings {
     NarrowedRows narrowed_x, narrowed_z;
     EntriesByRow<WallCell> walls;
     EntriesByRow<OneSided> slopes_x, slopes_z;
+    EntriesByRow<WeirFace> weirs_x, weirs_z;  // no rows without flood walls
     std::vector<Group> groups;
     std::vector<std::size_t> members_of_groups;    // places of cells
     std::vector<double> weights;                   // of members in their group, by their open shares
@@ -89,9 +99,9 @@ struct Openings {
     [[nodiscard]] double share_of(std::size_t c) const { return share.empty() ? 1 : share[c]; }
 };
 
-// ground: closed where it is NaN, by place in the grid's memory. gates: lines that are closed.
+// ground: closed where it is NaN, by place in the grid's memory. barriers: those that are closed.
 Openings find_openings(const Grid& grid, const std::vector<House>& houses, const RowMemory& ground,
-                       const std::vector<MapLine>& gates);
+                       const std::vector<Barrier>& barriers);
 
 // The mean of the values of a group's members, by their open shares.
 double mean_of(const Openings& openings, const Group& group, const RowMemory& values);

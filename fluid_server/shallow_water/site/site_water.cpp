@@ -197,7 +197,9 @@ SiteWater make_site_water(const Site& site, const Grid& grid, const Openings& op
     for (SeriesPoint& p : result.rain) p.value *= metres_per_second;
     for (std::size_t n = 0; n < cells.size(); ++n)
         result.outlets.push_back(make_outlet(site.outlets[n], cells[n], grid, openings, taken));
-    for (const Gate& gate : site.gates) result.openings_of_gates.push_back(gate.opens_at);
+    for (const Barrier& barrier : site.barriers) {
+        if (std::isfinite(barrier.opens_at)) result.openings_of_gates.push_back(barrier.opens_at);
+    }
     std::sort(result.openings_of_gates.begin(), result.openings_of_gates.end());
     return result;
 }

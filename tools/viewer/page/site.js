@@ -201,10 +201,10 @@ export function makeSite(scene, described, ground) {
     }
   }
   const concrete = new THREE.MeshStandardMaterial({ color: 0x7c7f82, roughness: 0.9, side: THREE.DoubleSide });
-  const gates = described.gates.map(({ name, opens_at: opens, line }) => {
-    const gate = new THREE.Group();
-    gate.add(wallAlong(line, ground, size / 200, (described.highest_water ?? -Infinity) + size / 400, concrete), label(name || 'gate', middle(line), ground, 0.7 * high, '#3a3a40'));
-    gate.userData.opens = opens;
+  const gates = described.gates.map(({ name, crest, opens_at: opens, line }) => {
+    const gate = new THREE.Group(), top = crest ?? (described.highest_water ?? -Infinity) + size / 400;
+    gate.add(wallAlong(line, ground, crest === null ? size / 200 : 0, top, concrete), label(name || (opens === null ? 'wall' : 'gate'), middle(line), ground, 0.7 * high, '#3a3a40'));
+    gate.userData.opens = opens ?? Infinity;
     return gate;
   });
   if (gates.length) world.add(...gates);

@@ -115,7 +115,7 @@ const POINT_FRAGMENT = `
   }`;
 
 export class Water {
-  /** ground: of a site, else null; gates: with their lines and the times at which they open, s. */
+  /** ground: of a site, else null; gates: with their lines and the times at which they open, s; null of flood walls. */
   constructor(parent, scene, bounds, ground, gates = []) {
     this.scene = scene;
     this.ground = ground;
@@ -166,7 +166,7 @@ export class Water {
 
   /** Cuts the sheet along the gates that are closed at a time, where it ends on both sides; true if that has changed. */
   shutGates(time) {
-    const closed = this.gates.filter((gate) => time < gate.opens_at), { nx, nz, x0, z0, cell } = this.grid;
+    const closed = this.gates.filter((gate) => time < (gate.opens_at ?? Infinity)), { nx, nz, x0, z0, cell } = this.grid;
     if (closed.length === this.closed) return false;
     this.closed = closed.length;
     this.cut = { right: new Uint8Array(nx * nz), down: new Uint8Array(nx * nz) }; // a gate lies between a cell and its neighbour

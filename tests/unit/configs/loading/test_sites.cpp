@@ -88,6 +88,7 @@ TEST_CASE("houses, zones, sources and shelters of files are in the scene's metre
                 "rain": {"rate_mm_h": 30},
                 "outlets": [{"line": [[20, 4], [20, 10]]}, {"kind": "stage", "level_m": 9, "polygon": [[18, 0], [20, 0], [20, 3]]}],
                 "gates": [{"line": [[5, 0], [5, 10]], "opens_at_s": 7}],
+                "walls": [{"line": [[3, 3], [3, 6], [6, 6]], "crest_m": 99}],
                 "water": [{"level_m": 10.2, "polygon": [[0, 0], [5, 0], [5, 10]]}],
                 "shelters": [{"file": "houses.geojson", "capacity": 100}]})"))
             .scene;
@@ -104,7 +105,12 @@ TEST_CASE("houses, zones, sources and shelters of files are in the scene's metre
         (site.sources[0].name == "creek" && site.sources[0].discharge[1].value == 2 && site.sources[0].line[1].z == 9));
     CHECK(site.rain[0].value == 30);
     CHECK((site.outlets[0].kind == wade::OutletKind::free && site.outlets[1].stage[0].value == 9));
-    CHECK((site.gates[0].opens_at == 7 && site.water[0].level == 10.2));
+    REQUIRE(site.barriers.size() == 2);
+    CHECK((site.barriers[1].crest == 99 && !std::isfinite(site.barriers[1].opens_at)));
+    REQUIRE(site.barriers[1].plan.rings.size() == 1);
+    CHECK((contains(site.barriers[1].plan, {3.05, 5}) && contains(site.barriers[1].plan, {2.95, 6.05})));
+    CHECK_FALSE(contains(site.barriers[1].plan, {3.5, 5}));
+    CHECK((site.barriers[0].opens_at == 7 && site.water[0].level == 10.2));
     CHECK((site.shelters[0].capacity == 5 && site.shelters[1].capacity == 100));
 }
 
@@ -208,6 +214,10 @@ TEST_CASE("what does not go together on a site is named with key, file and remed
                Contains("neither discharge_m3_s nor hydrograph_csv"));
     CHECK_THAT(refused(R"("outlets": [{"line": [[0, 0], [1, 1]], "level_m": 2}])"),
                Contains("no effect on a free outlet"));
+    const std::string wall = R"("walls": [{"line": [[1, 1], [1, 2], [3, 2]])";
+    CHECK_THAT(refused(wall + "}]"), Contains("/site/walls/0: crest_m is missing"));
+    CHECK_THAT(refused(wall + R"(, "crest_m": -3}])"), Contains("below the ground at all of its points"));
+    CHECK_THAT(refused(R"("walls": [{"file": "houses.geojson", "crest_m": 99}])"), Contains("allowed: lines"));
     CHECK_THAT(refused(R"("gates": [{"file": "houses.geojson"}])"),
                Contains("feature 0 (mill): it is a polygon; allowed: lines"));
     folder.folder.write("back.csv", "time_s,discharge_m3_s\n5,1\n4,1\n");

@@ -63,6 +63,7 @@ const Json everything_on_a_site = [] {
         "outlets": [{"name": "sea", "file": "a.geojson", "polygon": [[1, 1], [2, 1], [2, 2]], "line": [[1, 1], [2, 2]],
                      "level_m": 2, "stage_csv": "tide.csv"}],
         "gates": [{"name": "dam", "file": "a.geojson", "line": [[1, 1], [2, 2]]}],
+        "walls": [{"name": "levee", "file": "a.geojson", "line": [[1, 1], [2, 2]], "crest_m": 1}],
         "water": [{"file": "a.geojson", "polygon": [[1, 1], [2, 1], [2, 2]]}],
         "water_depth_file": "depth.tif",
         "gauges": [{"name": "bridge", "file": "a.geojson", "x_m": 1, "z_m": 2}],

@@ -267,6 +267,21 @@ TEST_CASE("With crowding the route leads to the shelter with fewer people before
     CHECK(side(3, 0) > 0);
 }
 
+TEST_CASE("People go round the end of a flood wall") {
+    Scene scene = dry_scene(60, 40);
+    Barrier& wall = scene.site.emplace().barriers.emplace_back();
+    wall.plan = {{{{29.9, 0}, {30.1, 0}, {30.1, 30}, {29.9, 30}}}};
+    scene.crowd->groups = {row_of_people(1, {20, 20}, 1, {40, 20})};
+    CrowdWorld crowd = make_crowd(scene);
+    double highest = 0;
+    for (int k = 0; k < static_cast<int>(60 / crowd.dt) && !crowd.active.empty(); ++k) {
+        step(crowd, {});
+        highest = std::max(highest, crowd.agents.position[0].y());
+    }
+    CHECK(crowd.agents.outcome[0] == Outcome::arrived);
+    CHECK((highest > 30 && highest < 32));
+}
+
 TEST_CASE("A run in a site has the same bits for any number of threads") {
     const auto run = [](int threads) {
         CrowdWorld crowd = make_crowd(two_shelters(3));

@@ -17,11 +17,11 @@ using test::house_of;
 using test::SiteTank;
 
 // An empty world of 10 x 10 m with these houses and gates.
-SiteShape shape_of(std::vector<MapLine> houses, std::vector<Gate> gates = {}) {
+SiteShape shape_of(std::vector<MapLine> houses, std::vector<Barrier> gates = {}) {
     Scene scene = test::site_scene({.side = 10}, 0, 0.1);
     scene.site->houses.clear();
     for (MapLine& ring : houses) scene.site->houses.push_back(house_of({std::move(ring)}));
-    scene.site->gates = std::move(gates);
+    scene.site->barriers = std::move(gates);
     return site_shape(scene);
 }
 
@@ -61,7 +61,7 @@ TEST_CASE("a site's walls are the outlines of what is not water", "[site]") {
 }
 
 TEST_CASE("a gate is a wall on both sides until it opens", "[site]") {
-    Gate gate;
+    Barrier gate;
     gate.line = {{5, 0}, {5, 10}};
     gate.opens_at = 2;
     const SiteShape shape = shape_of({}, {gate});

@@ -225,7 +225,7 @@ TEST_CASE("a gate holds water until it opens", "[site]") {
     Scene scene = empty_site(20, 10, 0.5);
     Site& site = *scene.site;
     const Turn turn(10, 5, 20);
-    site.gates = {{"gate", {turn(0, -6), turn(0, 6)}, 1.5}};
+    site.barriers = {{.name = "gate", .line = {turn(0, -6), turn(0, 6)}, .opens_at = 1.5}};
     site.water = {{turn.box(-20, -0.8, -20, 20), 1}};
     ShallowWater world(scene);
     const auto beyond = [&] {
@@ -247,7 +247,7 @@ TEST_CASE("a gate between walls that end anywhere in a cell is tight", "[site]")
         Site& site = *scene.site;
         const Turn turn(10, 5, degrees);
         site.houses = {house_of(turn.box(-0.5, 0.5, -20, -0.7)), house_of(turn.box(-0.5, 0.5, 1.2, 20))};
-        site.gates = {{"gate", {turn(0, -0.7), turn(0, 1.2)}, 9}};
+        site.barriers = {{.name = "gate", .line = {turn(0, -0.7), turn(0, 1.2)}, .opens_at = 9}};
         site.water = {{turn.box(-20, -0.8, -20, 20), 1}};
         ShallowWater world(scene);
         run_until(world, 4);

@@ -133,7 +133,7 @@ TEST_CASE("a state of a site goes on with the same bits, and on no other ground,
     refused([](Site& p) { p.houses.clear(); }, "/site/houses has 1 entries in this file and 0 in the scene");
     refused([](Site& p) { p.houses[0].polygon.rings[0][1].x = 5.5; },
             "/site/houses/0/polygon/1/0 is 5 in this file and 5.5 in the scene");
-    refused([](Site& p) { p.gates.push_back({"", {{6, 0}, {6, 6}}, 5, ""}); }, "/site/gates has 0 entries");
+    refused([](Site& p) { p.barriers.resize(1); }, "/site/gates has 0 entries");
 }
 
 TEST_CASE("a state is refused where its water cannot go on, with key and both values", "[fluid][state]") {

@@ -226,24 +226,35 @@ def rings_of(geometry):
     return [np.array([point[:2] for point in polygon[0]]) for polygon in polygons]
 
 
-def polygons_of(scene, kind):
-    """Ground plans of the `houses` or `shelters` of a scene, in its metres; files that are gone are left out."""
-    site, polygons = scene.get("site", {}), []
+def paths_of(geometry):
+    """Points of a GeoJSON line."""
+    lines = geometry["coordinates"] if geometry["type"] == "MultiLineString" else [geometry["coordinates"]]
+    return [np.array([point[:2] for point in line]) for line in lines]
+
+
+def shapes_of(scene, kind, key, word, parts_of):
+    """Shapes of a list of a scene's site, in its metres, of the key and of files; files that are gone are left out."""
+    site, shapes = scene.get("site", {}), []
     origin = [site.get("origin_easting_m", 0), site.get("origin_northing_m", 0)]
     for one in site.get(kind, []):
-        if one.get("polygon"):
-            polygons.append(np.array(one["polygon"]))
+        if one.get(key):
+            shapes.append(np.array(one[key]))
         if not one.get("file") or not os.path.exists(one["file"]):
             continue
         document = plain_file.read_json(one["file"])
         try:
             for feature in document.get("features", [document]):
                 geometry = feature.get("geometry", feature) or {}
-                if geometry.get("type") in ("Polygon", "MultiPolygon"):
-                    polygons += [ring - origin for ring in rings_of(geometry)]
+                if geometry.get("type") in (word, f"Multi{word}"):
+                    shapes += [part - origin for part in parts_of(geometry)]
         except (AttributeError, TypeError, ValueError) as error:
-            raise plain_file.FileError(one["file"], "it is no GeoJSON of polygons") from error
-    return polygons
+            raise plain_file.FileError(one["file"], f"it is no GeoJSON of {key}s") from error
+    return shapes
+
+
+def polygons_of(scene, kind):
+    """Ground plans of the `houses` or `shelters` of a scene."""
+    return shapes_of(scene, kind, "polygon", "Polygon", rings_of)
 
 
 def draw_obstacles(axes, scene):
@@ -252,6 +263,7 @@ def draw_obstacles(axes, scene):
                                  box["z_max_m"] - box["z_min_m"], facecolor="#8d8d93", edgecolor=INK, linewidth=0.9,
                                  hatch="////", zorder=5))
     axes.add_collection(PolyCollection(polygons_of(scene, "houses"), facecolors="#8d8d93", edgecolors=INK, linewidths=0.5, zorder=5))
+    axes.add_collection(LineCollection(shapes_of(scene, "walls", "line", "LineString", paths_of), colors=INK, linewidths=1.5, zorder=5))
 
 
 def goals_of(scene):
