@@ -62,6 +62,7 @@ std::string words_of(bg::validity_failure_type failure) {
 std::string fault_of_pairs(const std::vector<Part>& shape, std::size_t& work_left, const std::string& remedy,
                            const std::string& tangled) {
     std::vector<bg::model::box<Corner>> boxes;
+    boxes.reserve(shape.size());
     for (const Part& part : shape) boxes.push_back(bg::return_envelope<bg::model::box<Corner>>(part));
     const bg::de9im::mask interiors_meet("T********");
     for (std::size_t k = 1; k < shape.size(); ++k) {

@@ -55,8 +55,9 @@ void rename_place(Json& document, const std::string& source) {
     if (document.contains("site")) {
         throw ConfigurationError(source + ": /place is the former name of /site, which is there, too; allowed: /site.");
     }
-    document["site"] = std::move(document["place"]);
+    Json site = std::move(document["place"]);
     document.erase("place");
+    document["site"] = std::move(site);  // a new member may move the others in memory
 }
 
 // The files that extend one another, the first being the one that was asked for.

@@ -61,7 +61,7 @@ struct SiteShape {
     Interval x, z;                   // m
     std::array<bool, 4> open{};      // sides that are no wall: who passes them has left
     std::vector<MapPolygon> houses;  // even-odd each; may touch, overlap and reach beyond the world
-    std::vector<Barrier> gates;        // walls as thin as nothing until they open
+    std::vector<Barrier> gates;      // walls as thin as nothing until they open
     GroundGrid ground;
 };
 

@@ -142,8 +142,8 @@ SiteSolids::SiteSolids(const SiteShape& shape, float support_radius, float spaci
 }
 
 bool SiteSolids::open_gates(double time) {
-    const auto closed = static_cast<std::size_t>(std::count_if(shape_.gates.begin(), shape_.gates.end(),
-                                                               [&](const Barrier& gate) { return gate.opens_at > time; }));
+    const auto closed = static_cast<std::size_t>(std::count_if(
+        shape_.gates.begin(), shape_.gates.end(), [&](const Barrier& gate) { return gate.opens_at > time; }));
     if (closed == closed_gates_) return false;
     closed_gates_ = closed;
     walls_ = walls_of(shape_, time, beyond_open_sides * static_cast<double>(support_radius_));

@@ -95,7 +95,7 @@ def check_set(assignment):
 def set_value(pointer, text, source):
     """Checks a text that is set at a JSON pointer: JSON, or else the text itself."""
     node, above = json.loads(SCHEMA.read_text(encoding="utf-8")), ""
-    for key in pointer[1:].split("/"):
+    for key in re.sub("^/place(?=/|$)", "/site", pointer)[1:].split("/"):  # the former name
         key = key.replace("~1", "/").replace("~0", "~")
         if "properties" in node:
             node = member(node, key, above, source)
