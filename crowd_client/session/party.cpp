@@ -88,7 +88,8 @@ void leave_outcome(const Member& member, const CrowdRun& run) {
 }
 
 std::string csv_of(const Party& party) {
-    std::string csv = "name,seed,status,agents,arrived,dead,active,last_arrival_s,message\n";
+    std::string csv =
+        "name,seed,status,agents,arrived,dead,active,sheltered,indoors,upper_floor,last_arrival_s,message\n";
     for (std::size_t k = 0; k < party.runs.size(); ++k) {
         csv += party.members[k].name + ',' + crowds_csv_row(party.runs[k].crowd, party.runs[k].summary) + '\n';
     }

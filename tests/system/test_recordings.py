@@ -288,7 +288,7 @@ class DamagedFiles(RecordingTest):
         self.assertEqual((outcome["status"], outcome["frames"]), ("stream_ended", 6))
         self.assertIn("ended after frame 6", outcome["message"])
         self.assertIn(outcome["message"] + "; crowds that it ended: 2", client.messages())
-        self.assertIn("b,2,stream_ended,6,0,0,6,,", (self.folder / "many" / "crowds.csv").read_text())
+        self.assertIn("b,2,stream_ended,6,0,0,6,0,0,0,,", (self.folder / "many" / "crowds.csv").read_text())
 
     def test_file_without_its_end_record_plays_whole(self):
         self.file.write_bytes(self.whole[: self.records[-1].at])

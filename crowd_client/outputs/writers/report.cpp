@@ -230,7 +230,8 @@ std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger) {
 
 std::string crowds_csv_row(const CrowdWorld& crowd, const RunSummary& summary) {
     std::string row = std::to_string(crowd.scene.seed) + ',' + summary.status;
-    for (const std::size_t n : {crowd.agents.size(), crowd.arrived, crowd.dead, crowd.active.size()}) {
+    for (const std::size_t n : {crowd.agents.size(), crowd.arrived, crowd.dead, crowd.active.size(), crowd.sheltered,
+                                crowd.indoors.inside, crowd.indoors.upstairs}) {
         row += ',' + std::to_string(n);
     }
     row += ',' + (crowd.arrived > 0 ? csv_number(time_of(crowd, crowd.last_arrival_step)) : "");

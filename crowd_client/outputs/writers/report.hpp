@@ -18,7 +18,8 @@ namespace wade::crowd {
 // its columns follow: the largest level that the agent met, and the time in each.
 [[nodiscard]] std::string agents_csv(const CrowdWorld& crowd, const DangerRecord* danger = nullptr);
 
-// A row of crowds.csv behind the crowd's name: seed,status,agents,arrived,dead,active,last_arrival_s.
+// A row of crowds.csv behind the crowd's name: seed,status,agents,arrived,dead,active,sheltered,indoors,upper_floor,
+// last_arrival_s,message.
 [[nodiscard]] std::string crowds_csv_row(const CrowdWorld& crowd, const RunSummary& summary);
 
 // manifest.json: which program, scene, seed and command made the folder; holds the resolved scene.

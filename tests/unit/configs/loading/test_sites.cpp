@@ -52,6 +52,34 @@ using wade::Json;
 using namespace wade::site_test;
 using Catch::Matchers::Contains;
 
+TEST_CASE("/place is /site until version 1.0, beside any number of keys and in what is set") {
+    const Folder folder;
+    const std::vector<std::string> keys{R"("name": "a")",
+                                        R"("seed": 3)",
+                                        R"("duration_s": 5)",
+                                        R"("frame_rate_hz": 4)",
+                                        R"("lockstep_depth": 1)",
+                                        R"("description": "b")",
+                                        R"("world": {"gravity_m_s2": 9})",
+                                        R"("fluid": {"cfl": 0.4})"};
+    std::string before, after;
+    for (const std::string& key : keys) {
+        const auto hash = [&](const std::string& name) {
+            return wade::load_scene(folder.folder.write(
+                                        "scene.json", "{" + before + "\"" + name + "\": " + ground + "}" + after + "}"))
+                .scene.hash;
+        };
+        INFO(before << " ... " << after);
+        CHECK(hash("place") == hash("site"));
+        (before.size() < after.size() ? before : after) += before.size() < after.size() ? key + ", " : ", " + key;
+    }
+    const auto scene = folder.scene(ground + "}");
+    const auto with = [&](const std::string& pointer) {
+        return wade::load_scene(scene, {wade::parse_override(pointer + "/manning/n=0.09")}).scene.hash;
+    };
+    CHECK(with("/place") == with("/site"));
+}
+
 TEST_CASE("a site without all else: its raster is the world, and the water is shallow water") {
     const Folder folder;
     const wade::Scene scene = wade::load_scene(folder.scene(ground + "}")).scene;

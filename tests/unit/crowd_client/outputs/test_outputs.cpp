@@ -183,7 +183,7 @@ TEST_CASE("A run whose files cannot all be written has failed, and those that ca
         CHECK(summary.status == "failed");
         CHECK_THAT(summary.message, Catch::Contains(blocked));
         CHECK_THAT(content_of(folder.path / "outcome.json"), Catch::Contains("\"status\": \"failed\""));
-        CHECK_THAT(crowds_csv_row(crowd, summary), Catch::Contains(",failed,1,0,0,1,,cannot write '"));
+        CHECK_THAT(crowds_csv_row(crowd, summary), Catch::Contains(",failed,1,0,0,1,0,0,0,,cannot write '"));
         fs::remove_all(folder.path / blocked);
     }
 }

@@ -47,6 +47,11 @@ class BeforeRun:
         )
 
 
+def in_site(outcome):
+    """Who is sheltered and indoors, as words."""
+    return f", {outcome['sheltered']} sheltered, {int(outcome['indoors']) + int(outcome['upper_floor'])} indoors"
+
+
 def summary(folder):
     """The outcome in words, from outcome.json; empty if there is none."""
     try:
@@ -55,7 +60,7 @@ def summary(folder):
         return []
     last = outcome["last_arrival_s"]
     arrival = f", the last after {last:.1f} s" if last is not None else ""
-    of_site = f", {outcome['sheltered']} sheltered, {outcome['indoors'] + outcome['upper_floor']} indoors" if "sheltered" in outcome else ""
+    of_site = in_site(outcome) if "sheltered" in outcome else ""
     deep = outcome.get("indoors_behind_deep_water")
     if deep:
         of_site += f" ({deep} of them behind more than 0.5 m of water)"
@@ -81,7 +86,8 @@ def crowds_summary(folder):
     """The outcome of many crowds in words, a line each."""
     for row in crowds_of(folder):
         last = f", the last after {float(row['last_arrival_s']):.1f} s" if row["last_arrival_s"] else ""
-        yield (f"{row['name']}: {row['status']}; {row['arrived']} of {row['agents']} arrived{last}; "
+        of_site = in_site(row) if any(int(row.get(key) or 0) for key in ("sheltered", "indoors", "upper_floor")) else ""
+        yield (f"{row['name']}: {row['status']}; {row['arrived']} of {row['agents']} arrived{last}{of_site}; "
                f"{row['dead']} dead, {row['active']} active")
 
 
