@@ -76,10 +76,14 @@ void fields(Coupling& coupling, Fields& f, const Scene& scene) {
         "Whoever answers by the response paper pushes with the drag of its body. Sets agents_stream to parallel where "
         "it is "
         "off.");
-    f.choice(
-        "shelter", coupling.shelter,
-        "How people behind people feel the water. wake: slower, by the deepest of the wakes in which they stand; those "
-        "wakes are finer than the water shows. Felt in the response measured and, with two_way, in what they push.");
+    f.acts_only({"with /crowd/response \"measured\" or /coupling/two_way",
+                 [](const Scene& s) { return s.crowd->response == ResponseKind::measured || s.coupling->two_way; }},
+                [&] {
+                    f.choice("shelter", coupling.shelter,
+                             "How people behind people feel the water. wake: slower, by the deepest of the wakes in "
+                             "which they stand; those wakes are finer than the water shows. Felt in the response "
+                             "measured and, with two_way, in what they push.");
+                });
     f.acts_only(of_agents, [&] {
         f.number("agent_radius_m", coupling.agent_radius, "m", above(0).to(1),
                  "r_a; at most 1, so that a contact lies within the 3 x 3 cells round an agent.");

@@ -135,8 +135,8 @@ void fields(Fluid& fluid, Fields& f) {
                  "about eight times the particles and twice the steps.");
     });
     f.acts_only(
-        with_models("with models of particles", {ModelKind::dfsph, ModelKind::kinematic, ModelKind::steering,
-                                                 ModelKind::mixed, ModelKind::automatic}),
+        with_models("with the models dfsph, mixed and auto",
+                    {ModelKind::dfsph, ModelKind::mixed, ModelKind::automatic}),
         [&] {
             f.choice(
                 "kernel", fluid.kernel,
