@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
+#include "configs/files/text_file.hpp"
 #include "configs/json/json.hpp"
 #include "configs/scene/keys.hpp"
 
@@ -20,7 +21,7 @@ std::string_view without_blanks(std::string_view text) {
 }  // namespace
 
 CsvTable::CsvTable(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {
-    if (text_.find('\0') != std::string_view::npos || text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
+    if (text_.find('\0') != std::string_view::npos || !is_utf8(text_))
         fail("it is no text in UTF-8. Remedy: save it as csv in UTF-8.");
     if (!read_row()) return;
     for (const auto& [separator, word] : {std::pair{';', "semicolons"}, std::pair{'\t', "tabs"}}) {

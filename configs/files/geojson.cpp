@@ -1,8 +1,11 @@
 #include "configs/files/geojson.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "configs/errors/exit_code.hpp"
@@ -58,6 +61,16 @@ class JsonReader {
     // {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32756"}}, {"type": "EPSG", "properties": {"code": 32756}} or
     // "http://www.opengis.net/def/crs/EPSG/0/32756".
     void read_system(const Json& object, const std::string& feature) {
+        constexpr std::array<std::string_view, 6> others{"crs", "coordrefsys",      "srid",
+                                                         "srs", "spatialreference", "epsg"};
+        for (const auto& [name, value] : object.items()) {
+            std::string lower = name;
+            for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+            if (name == "crs" || name == "coordRefSys" ||
+                std::find(others.begin(), others.end(), lower) == others.end())
+                continue;
+            fail(feature, "its member " + name + " names a system; allowed: crs or coordRefSys. " + reproject_words());
+        }
         for (const char* const member : {"crs", "coordRefSys"}) {
             const Json& system = object[member];
             if (system.is_null()) continue;

@@ -367,6 +367,12 @@ class Import(unittest.TestCase):
         for name in ("relief.vrt", "palette.gif"):
             with self.assertRaisesRegex(UsageError, f"{name} is a picture"):
                 self.imported(self.folder / name)
+        with self.assertRaisesRegex(UsageError, "counts depths, downwards.*EPSG:5715"):
+            self.imported(self.made("depths.tif", "-a_srs", "EPSG:32632+5715"))
+        grid = self.folder / "zero.asc"
+        grid.write_bytes(b"ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n1 2\n3 \0004\n")
+        with self.assertRaisesRegex(UsageError, "zero.asc is no text, as it holds bytes of value 0"):
+            self.imported(grid)
         with self.assertRaisesRegex(UsageError, "complex numbers"):
             self.imported(self.made("complex.tif", "-ot", "CFloat32"))
 

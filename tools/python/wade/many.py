@@ -217,8 +217,10 @@ def rows_of(ensemble, plan):
     return gathered(ensemble.folder, plan, known)
 
 
-def shown(value):
-    return f"{value:.1f}" if isinstance(value, float) else str(value if value is not None else "")
+def shown(value, is_setting=False):
+    if isinstance(value, float):
+        return f"{value:g}" if is_setting else f"{value:.1f}"
+    return str(value if value is not None else "")
 
 
 def say_all(rows, pointers):
@@ -227,11 +229,11 @@ def say_all(rows, pointers):
     of_site = said_of_sites(rows)
     if len(rows) <= MOST_ROWS:
         columns = [*TABLE[:2], *pointers, *TABLE[2:4], *of_site, *TABLE[4:]]
-        print(plain(columns, [[shown(row.get(key)) for key in columns] for row in rows]))
+        print(plain(columns, [[shown(row.get(key), key in pointers) for key in columns] for row in rows]))
     else:
         kinds = {}
         for row in rows:
-            kinds.setdefault((row["scene"], *(shown(row.get(key)) for key in pointers)), []).append(row)
+            kinds.setdefault((row["scene"], *(shown(row.get(key), True) for key in pointers)), []).append(row)
         lines, counts = [], ("agents", "arrived", *of_site, "dead", "active")
         for kind, own in kinds.items():
             complete = [row for row in own if row["status"] == "completed"]

@@ -83,6 +83,10 @@ TEST_CASE("what is wrong with a GeoJSON is named with its feature and a remedy")
     CHECK_THAT(refusal_of_shapes(polygon_of("[1, 2], [3, 4], [5, 7]", crs + R"(urn:ogc:def:crs:OGC:1.3:CRS84"}})")),
                Contains("degrees"));
     CHECK_THAT(refusal_of_shapes(polygon_of("[1, 2], [3, 4], [5, 7]", crs + R"(EPSG:3857"}})")), Contains("Mercator"));
+    for (const std::string other : {"CRS", "srid", "spatialReference"}) {
+        CHECK_THAT(refusal_of_shapes(polygon_of("[1, 2], [3, 4], [5, 7]", ", \"" + other + "\": 4326")),
+                   Contains("its member " + other + " names a system"));
+    }
 }
 
 TEST_CASE("a series: columns by name, comments, jumps") {

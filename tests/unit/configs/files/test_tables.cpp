@@ -6,6 +6,7 @@
 #include "configs/files/csv_table.hpp"
 #include "configs/files/geojson.hpp"
 #include "configs/files/residents_csv.hpp"
+#include "configs/files/text_file.hpp"
 #include "configs/json/json.hpp"
 #include "scene_texts.hpp"
 
@@ -89,7 +90,10 @@ TEST_CASE("what is no table of commas is named with its line and the remedy") {
     CHECK_THAT(refusal_of_table("a,b\n1,\"2\"3\n"), Contains("text after a quote"));
     CHECK_THAT(refusal_of_table("a,b\n1,2\"3\n"), Contains("a quote stands within the cell"));
     CHECK_THAT(refusal_of_table(std::string("a\0,\0b\0\n\0", 8)), Contains("no text in UTF-8"));
-    CHECK_THAT(refusal_of_table("\xFF\xFE"), Contains("no text in UTF-8"));
+    for (const std::string text : {"\xFF\xFE", "a\n\xE9t\xE9\n", "a\n\xC3\n", "a\n\xC0\x80\n", "a\n\xED\xA0\x80\n"}) {
+        CHECK_THAT(refusal_of_table(text), Contains("no text in UTF-8"));
+    }
+    CHECK(wade::is_utf8("\xC3\xA9t\xC3\xA9 \xE2\x82\xAC \xF0\x9F\x8C\x8A"));
     std::string rows = "a\n";
     for (std::size_t i = 0; i <= wade::CsvTable::max_rows; ++i) rows += "1\n";
     CHECK_THAT(refusal_of_table(rows), Contains("more rows than 500000"));

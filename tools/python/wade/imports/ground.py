@@ -1,5 +1,6 @@
 """Rasters of heights as one raster in metres: system, bands, scale, unit, masks, holes."""
 
+import re
 import tempfile
 from pathlib import Path
 
@@ -10,7 +11,14 @@ FOOT = 0.3048
 UNITS = {"": 1, "m": 1, "metre": 1, "meter": 1, "metres": 1, "meters": 1, "ft": FOOT, "foot": FOOT, "feet": FOOT,
          "us-ft": 1200 / 3937, "us survey foot": 1200 / 3937, "us survey feet": 1200 / 3937, "ftus": 1200 / 3937,
          "cm": 0.01, "mm": 0.001, "dm": 0.1, "km": 1000}
+TEXT_GRIDS = ("AAIGrid", "GRASSASCIIGrid", "ISG", "XYZ", "USGSDEM")
 LOWEST, HIGHEST = -500, 9000  # m, what the programs take for heights of ground
+
+
+def holds_zeros(path):
+    """Whether a file holds a byte of value 0."""
+    with path.open("rb") as file:
+        return any(b"\0" in piece for piece in iter(lambda: file.read(1 << 20), b""))
 
 
 class Raster:
@@ -28,6 +36,11 @@ class Raster:
         colour = band.get("colorInterpretation", "Gray")
         if colour not in ("Gray", "Undefined") or "colorTable" in band:
             raise UsageError(f"{self.path} is a picture: its first band is of colours ({colour}); allowed: a raster of heights")
+        if re.search(r'AXIS\["[^"]*",down\b', self.system.heights):
+            raise UsageError(f"{self.path} counts depths, downwards ({self.system.vertical_name}); allowed: heights. Remedy: "
+                             f"gdal_calc.py -A {self.path} --outfile OUT.tif --calc=-A, and gdal_edit.py -a_srs EPSG:N OUT.tif")
+        if self.info.get("driverShortName") in TEXT_GRIDS and holds_zeros(self.path):
+            raise UsageError(f"{self.path} is no text, as it holds bytes of value 0: it is damaged")
         if band.get("type", "").startswith("C"):
             raise UsageError(f"{self.path} holds complex numbers ({band['type']}); allowed: heights")
 
