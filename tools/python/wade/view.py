@@ -67,6 +67,13 @@ def install_modules(with_tests=False):
 
 
 OPENER = "view.html"  # in the run folder
+ENDING = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+def begin_server():
+    """Runs in the server's process before its program: signals end it, and it ends with its parent."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+    end_with_parent()
 
 
 def write_opener(file, address):
@@ -85,7 +92,7 @@ class Server:
         three = install_modules() / "node_modules" / "three"
         command = [BUILD / "wade_view_server", "--page", PAGE, "--three", three, "--port", str(port), *arguments]
         self.process = subprocess.Popen([*map(str, command)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                        text=True, preexec_fn=end_with_parent)
+                                        text=True, preexec_fn=begin_server)
         self.address = self.process.stdout.readline().strip()  # with the key of the page
         self.opener = None
         if folder is not None and self.address:
@@ -210,6 +217,8 @@ def main(arguments):
         words = options_for(options.target, options)
         for number in (signal.SIGTERM, signal.SIGHUP):  # as Ctrl-C, so that the file with the key goes
             signal.signal(number, signal.default_int_handler)
+        # Python drops an exception of a signal that comes within a callback, as of an import.
+        signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
         with tempfile.TemporaryDirectory() as folder:
             if options.scene:
                 from wade.scenes import find_scene
@@ -219,10 +228,12 @@ def main(arguments):
                 words += ["--scene", scene]
             is_folder = options.target is not None and options.target.is_dir()
             server = Server(*words, port=options.port, folder=options.target if is_folder else folder)
-            if not server.address:
-                return server.wait()
+            said = f"viewer: {server}  (Ctrl-C ends it)" if server.address else ""
             try:
-                print(f"viewer: {server}  (Ctrl-C ends it)", flush=True)
+                signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+                if not server.address:
+                    return server.wait()
+                print(said, flush=True)
                 if not options.no_open and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
                     webbrowser.open(server.opener.as_uri())
                 return server.wait()
