@@ -1,17 +1,17 @@
 #pragma once
 // Water over a flood wall, which is thinner than a cell: the flux through the face that it closes.
 //
-// H is the level of the side with the higher water over the crest, H_d that of the other side, at least 0, P the height of the crest over the bed
+// H is the level of the higher water over the crest, H_d that of the other side, at least 0, P the height of the crest over the bed
 // of the higher side. Rehbock's law of a sharp-crested weir, drowned as by Villemonte (Chow 1959, Open-Channel Hydraulics, section
 // 14-1; Villemonte 1947, Engineering News-Record 139):
 //
 //   q = (2/3) C sqrt(2 g) H^1.5 (1 - (H_d / H)^1.5)^0.385,   C = 0.611 + 0.08 min(H / P, 5)
 //
-// q is at most what levels both sides in two and a half steps, as the law would swing about equal levels otherwise. The higher
-// side loses the momentum q u, u = q / h of it. The other side gets q times the velocity at critical depth, 3 q / (2 H), but no
-// more than that with which it flows off, q / h of it: the rest is lost where the water plunges in, so that the level beside the wall
-// is the tailwater's, to which H_d belongs. What is left of the velocities towards the wall and away
-// from it, less those of q, is stopped by it: the wall pushes as in openings.hpp.
+// q is at most what levels both sides in two and a half steps, as the law would swing about equal levels otherwise. The higher side
+// loses the momentum q u, u = q / h of it. The other side gets q times the velocity at critical depth, 3 q / (2 H), or q times that
+// with which the water flows off, q / h, if this is less. The rest is lost where the water plunges in: so the level beside the wall
+// is that of the tailwater, to which H_d belongs. The wall stops what velocities it faces beyond those of q, and pushes as in
+// openings.hpp.
 
 #include <algorithm>
 #include <cmath>
