@@ -81,9 +81,21 @@ class Recorded:
         return self.now.number, (self.now.time_s, sides[1][0], sides[0][0], self.cell, depth)
 
 
+class NoPeople:
+    """The frame before the first one, while all are indoors."""
+
+    time_s = -np.inf
+
+    def __getitem__(self, name):
+        return np.empty(0, int)
+
+    def stacked(self, *names):
+        return np.empty((0, len(names)))
+
+
 def between(before, after, time_s):
     """Places of people at a time between two frames, and their states, those of the frame before until the one after."""
-    if after is None or time_s <= before.time_s:
+    if after is None or time_s <= before.time_s or before.time_s == -np.inf:
         return before["id"], before.stacked("x", "z"), before["state"]
     share = min(1.0, (time_s - before.time_s) / (after.time_s - before.time_s))
     if share == 1:
@@ -107,10 +119,7 @@ class Film:
         ended = [row["outcome"] in (*SAFE, *LOST) for row in rows]
         self.ends = np.array([float(row["time_s"]) if has_end else np.inf for row, has_end in zip(rows, ended)])
         self.outcomes = np.array([CODES[row["outcome"]] if has_end else 0 for row, has_end in zip(rows, ended)])
-        self.before, self.after = next(self.people, None), None
-        if self.before is None:
-            raise UsageError(f"{run} holds no frame in this time")
-        self.after = next(self.people, None)
+        self.before, self.after = NoPeople(), next(self.people, None)
         self.paths = []  # (ids, places) of the frames that have passed
         self.drawn, self.shown, self.background = object(), 0, None
         rows = rows_of_groups(self.scene, of_film=True)
@@ -205,9 +214,9 @@ class Film:
 def times_of(run, thinning, speed, rate):
     """The times of the frames, s: at the speed, or at one at which the film is not too long; and that speed."""
     ends = [frame.time_s for frame in thinning.chosen(of_run(run).frames())]
-    if len(ends) < 2 and water_snapshots(run / "water.bin")[1] is not None:  # nobody is in it
-        ends = [time_s for time_s in water_snapshots(run / "water.bin")[1]["time"].tolist()
-                if thinning.from_s <= time_s <= thinning.until_s]
+    _, water = water_snapshots(run / "water.bin")
+    if water is not None and len(water) > 0 and (len(ends) < 2 or ends[0] > water["time"].min()):  # all are indoors at first
+        ends = sorted({*ends, *(t for t in water["time"].tolist() if thinning.from_s <= t <= thinning.until_s)})
     if not ends:
         raise UsageError(f"{run} holds no frame in this time")
     first, last = ends[0], ends[-1]
