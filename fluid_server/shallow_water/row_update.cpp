@@ -110,7 +110,7 @@ void mend_rises(const EntriesByRow<OneSided>& slopes, std::size_t k, std::size_t
 }
 
 // h*, its surface, u* and v* of n cells. Rises are half of the change over a cell. half_push: a dt/2.
-template <bool friction>
+template <bool friction, bool tilted>
 void move_half_a_step(Cells cells, CellRow x, CellRow z, const double* half_slowed, std::size_t n, double per_x,
                       double per_z, double half_push, const FluxConstants& constants, CellRow half) {
     const V a = all(-per_x), b = all(-per_z), push = all(half_push);
@@ -122,7 +122,8 @@ void move_half_a_step(Cells cells, CellRow x, CellRow z, const double* half_slow
         const V more = a * (u * h_x + h * u_x) + b * (v * h_z + h * v_z);
         const auto wet = h > dry;
         const V change = hn::IfThenElseZero(wet, hn::Min(hn::Max(more, hn::Neg(room)), room));
-        V u_half = u + (a * (u * u_x + g * load(x.eta + i)) + b * (v * load(z.along + i))) + push;
+        V u_half = u + (a * (u * u_x + g * load(x.eta + i)) + b * (v * load(z.along + i)));
+        if constexpr (tilted) u_half = u_half + push;
         V v_half = v + (a * (u * load(x.along + i)) + b * (v * v_z + g * load(z.eta + i)));
         if constexpr (friction) {
             const V slowed = load(half_slowed + i);
@@ -153,7 +154,6 @@ void push_of_walls(const EntriesByRow<WallCell>& walls, std::size_t k, std::size
 void flow_over_walls(const EntriesByRow<WeirFace>& weirs, std::size_t k, std::size_t begin, std::size_t end,
                      const Cells& lower, const Cells& lower_rise, const Cells& upper, const Cells& upper_rise,
                      const FluxConstants& constants, double per_length, const FluxRow& flux) {
-    if (weirs.empty()) return;
     for_each_in(weirs, k, begin, end, [&](const WeirFace& weir) {
         const std::size_t i = weir.column;
         const auto side = [i](const Cells& cells, const Cells& rise, double sign) {
@@ -171,12 +171,12 @@ struct OldRow {
     const double *h, *qx, *qz;
 };
 struct NewRow {
-    double *h, *qx, *qz, *depth, *eta, *u, *v;  // eta null: on a level bed
+    double *h, *qx, *qz, *depth, *eta, *u, *v;  // eta: depth on a level bed
 };
 
 // Returns the smallest depth; cells in groups may have any, before they get the mean of their group (step.cpp). What is
 // taken by value is the function's own, so that no store changes its pointers.
-template <bool friction, bool walls>
+template <bool friction, bool walls, bool tilted>
 double update_row(FluxConstants constants, double per_x_length, double per_z_length, double push_of_depth,
                   std::size_t n, const double* per_share, const double* slowed, const double* half_h,
                   const double* rise_x, const double* rise_z, FluxRow x, FluxRow below, FluxRow above, OldRow from,
@@ -196,8 +196,8 @@ double update_row(FluxConstants constants, double per_x_length, double per_z_len
         V h = load(from.h + i) - of_x * (load(x.mass + i + 1) - load(x.mass + i)) -
               of_z * (load(above.mass + i) - load(below.mass + i));
         V qx = load(from.qx + i) - of_x * (load(x.into_lower + i + 1) - load(x.into_upper + i)) -
-               per_x * weight * load(rise_x + i) - of_z * (load(above.along + i) - load(below.along + i)) +
-               push * depth;
+               per_x * weight * load(rise_x + i) - of_z * (load(above.along + i) - load(below.along + i));
+        if constexpr (tilted) qx = qx + push * depth;
         V qz = load(from.qz + i) - of_x * (load(x.along + i + 1) - load(x.along + i)) -
                of_z * (load(above.into_lower + i) - load(below.into_upper + i)) - per_z * weight * load(rise_z + i);
         if constexpr (friction) {
@@ -222,7 +222,7 @@ double update_row(FluxConstants constants, double per_x_length, double per_z_len
         store(qx, to.qx + i);
         store(qz, to.qz + i);
         store(h, to.depth + i);
-        if (to.eta != nullptr) store(h + load(bed + i), to.eta + i);
+        store(h + load(bed + i), to.eta + i);
         store(qx * inverse, to.u + i);
         store(qz * inverse, to.v + i);
     }
@@ -242,7 +242,9 @@ struct BandUpdate {
     const Flow flow = world.scene.channel->flow;
     const bool periodic_sides = world.scene.channel->sides == Sides::periodic;
     const bool walls = openings.any();
+    const bool weirs_x = !openings.weirs_x.empty(), weirs_z = !openings.weirs_z.empty();
     const bool friction = world.manning_n > 0 || !world.bed.n_squared.empty();
+    const bool tilted = world.acceleration != 0;
     const double per_x = dt / grid.dx, per_z = dt / grid.dz;
 
     BandUpdate(ShallowWater& of, double step, double inflow, RowMemory& buffer)
@@ -251,7 +253,7 @@ struct BandUpdate {
     // The row of the grid that row k is, or is the image of.
     [[nodiscard]] std::size_t in_grid(std::ptrdiff_t k) const {
         const auto rows = static_cast<std::ptrdiff_t>(grid.nz);
-        return static_cast<std::size_t>((k + rows) % rows);
+        return static_cast<std::size_t>(k < 0 ? k + rows : k < rows ? k : k - rows);
     }
     void slow(std::size_t c, std::size_t i, std::size_t n, const RowAhead& row) const {
         const double drag = dt * constants.gravity, n_squared = world.manning_n * world.manning_n;
@@ -276,9 +278,10 @@ struct BandUpdate {
                            constants.dry, row.rise_z);
             }
             if (friction) slow(c, i, n, row);
-            const auto move = friction ? move_half_a_step<true> : move_half_a_step<false>;
-            move(along_x(p, c), x, z, row.half_slowed + i, n, per_x, per_z, 0.5 * dt * world.acceleration, constants,
-                 half);
+            constexpr std::array moves{move_half_a_step<false, false>, move_half_a_step<true, false>,
+                                       move_half_a_step<false, true>, move_half_a_step<true, true>};
+            moves[(friction ? 1U : 0U) + (tilted ? 2U : 0U)](along_x(p, c), x, z, row.half_slowed + i, n, per_x, per_z,
+                                                             0.5 * dt * world.acceleration, constants, half);
             flow_along(of, c, i, n, row);
         });
     }
@@ -288,8 +291,9 @@ struct BandUpdate {
         find_fluxes(row.half.from(first - 1), row.rise_x.from(first - 1), row.half.from(first), row.rise_x.from(first),
                     world.walls_x.from(c, grid), openings.narrowed_x.from(openings.face_x, c, grid), n + 1, constants,
                     row.flux_x.from(i));
-        flow_over_walls(openings.weirs_x, of, i + 1, i + n, row.half.from(-1), row.rise_x.from(-1), row.half,
-                        row.rise_x, constants, per_x, row.flux_x);
+        if (weirs_x)
+            flow_over_walls(openings.weirs_x, of, i + 1, i + n, row.half.from(-1), row.rise_x.from(-1), row.half,
+                            row.rise_x, constants, per_x, row.flux_x);
         if (flow == Flow::emitter) {
             set_inflow(row.flux_x, grid.nx, discharge, world.scene.channel->depth, row.half.h[last],
                        row.half.normal[last], constants.gravity);
@@ -347,8 +351,10 @@ struct BandUpdate {
             find_fluxes(of(work.rows[0]), work.rows[0].rise_z.from(i), of(work.rows[1]), work.rows[1].rise_z.from(i),
                         world.walls_z.from(up + i, grid), openings.narrowed_z.from(openings.face_z, up + i, grid), n,
                         constants, flux.from(i));
-            flow_over_walls(openings.weirs_z, in_grid(k + 1), i, i + n, across(work.rows[0].half), work.rows[0].rise_z,
-                            across(work.rows[1].half), work.rows[1].rise_z, constants, per_z, flux);
+            if (weirs_z)
+                flow_over_walls(openings.weirs_z, in_grid(k + 1), i, i + n, across(work.rows[0].half),
+                                work.rows[0].rise_z, across(work.rows[1].half), work.rows[1].rise_z, constants, per_z,
+                                flux);
         };
         if (k < 0) return active.for_each_span(0, find);
         if (static_cast<std::size_t>(k) + 1 == grid.nz) return active.for_each_span(grid.nz - 1, find);
@@ -385,16 +391,18 @@ struct BandUpdate {
         }
         Water& to = world.stage;
         Primitive& q = world.stage_primitive;
-        const auto new_row = walls ? (friction ? update_row<true, true> : update_row<false, true>)
-                                   : (friction ? update_row<true, false> : update_row<false, false>);
-        return new_row(constants, per_x, per_z, dt * world.acceleration, n,
-                       walls ? openings.per_share.data() + c : nullptr, row.slowed + i, row.half.h + i,
-                       row.rise_x.eta + i, row.rise_z.eta + i, row.flux_x.from(i), work.flux_z[0].from(i),
-                       work.flux_z[1].from(i),
-                       {world.water.h.data() + c, world.water.qx.data() + c, world.water.qz.data() + c},
-                       world.bed.height.data() + c,
-                       {to.h.data() + c, to.qx.data() + c, to.qz.data() + c, q.h.data() + c,
-                        q.eta.empty() ? nullptr : q.eta.data() + c, q.u.data() + c, q.v.data() + c});
+        constexpr std::array new_rows{update_row<false, false, false>, update_row<true, false, false>,
+                                      update_row<false, true, false>,  update_row<true, true, false>,
+                                      update_row<false, false, true>,  update_row<true, false, true>,
+                                      update_row<false, true, true>,   update_row<true, true, true>};
+        return new_rows[(friction ? 1U : 0U) + (walls ? 2U : 0U) + (tilted ? 4U : 0U)](
+            constants, per_x, per_z, dt * world.acceleration, n, walls ? openings.per_share.data() + c : nullptr,
+            row.slowed + i, row.half.h + i, row.rise_x.eta + i, row.rise_z.eta + i, row.flux_x.from(i),
+            work.flux_z[0].from(i), work.flux_z[1].from(i),
+            {world.water.h.data() + c, world.water.qx.data() + c, world.water.qz.data() + c},
+            world.bed.height.data() + c,
+            {to.h.data() + c, to.qx.data() + c, to.qz.data() + c, q.h.data() + c,
+             (q.eta.empty() ? q.h : q.eta).data() + c, q.u.data() + c, q.v.data() + c});
     }
     // What flows through the ends and the watched faces of row k of a channel.
     void note_flow(std::size_t k) const {
