@@ -52,7 +52,10 @@ class EnsembleTest(Launcher):
         while killed < kills:
             victims = children_of(many.process.pid)
             if not many.running():
-                self.assertIn(many.wait(), (0, 1, -signal.SIGKILL), many.messages())
+                ends = (0, 1, -signal.SIGKILL)
+                if "fails with signal" in many.messages():  # a kill of the engine as it was asked for its version
+                    ends = (2,)
+                self.assertIn(many.wait(), ends, many.messages())
                 starts += 1
                 self.assertLess(starts, 10 * kills, many.messages())
                 if many.wait() == 0:  # too quick for the kills; some of it is to be done once more

@@ -29,7 +29,8 @@ def fault_of_file(path, question):
     if done.returncode == 0:
         return ""
     said = (done.stderr or done.stdout).strip().split("\n")[-1].strip()[:100]
-    return f"is installed but fails with exit code {done.returncode}" + (f" ({said})" if said else "")
+    how = f"signal {-done.returncode}" if done.returncode < 0 else f"exit code {done.returncode}"
+    return f"is installed but fails with {how}" + (f" ({said})" if said else "")
 
 
 def works(*programs):
