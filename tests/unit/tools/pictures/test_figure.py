@@ -8,6 +8,7 @@ import sqlite3
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -104,6 +105,21 @@ class Film(unittest.TestCase):
             active, sheltered, dead = expected
             self.assertEqual(drawn.people_at(time), {"active": active, "arrived": 0, "sheltered": sheltered, "dead": dead,
                                                      "indoors": 1}, time)
+
+    def test_it_begins_with_the_water_while_all_are_indoors(self):
+        with contextlib.closing(sqlite3.connect(self.folder / "trajectories.sqlite")) as paths:
+            paths.execute("UPDATE trajectory_data SET frame = frame + 2")
+            paths.commit()
+        water = None, np.array([(0.0,), (5.0,)], [("time", float)])
+        with mock.patch.object(film, "water_snapshots", return_value=water):
+            times, _ = film.times_of(self.folder, Thinning(), 1, 1)
+        self.assertEqual(times.tolist(), [0, 1, 2, 3, 4, 5])
+        drawn = film.Film(self.folder, None, Thinning(), 640)
+        self.addCleanup(film.plt.close, drawn.figure)
+        for time, lost, indoors in ((1, 0, 3), (2, 1, 1)):
+            drawn.advance(time)
+            found = drawn.people_at(time)
+            self.assertEqual((found["dead"], found["indoors"]), (lost, indoors), time)
 
     def test_the_top_view_of_the_end_counts_the_same(self):
         rows = read_agents(self.folder / "agents.csv")
