@@ -16,7 +16,7 @@ inline constexpr double rounding_tolerance = 1e-9;
 // for what lies where first, as the others compute with lengths and places:
 //   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another
 //   boundaries  bed points, top, planes without slip, slope, friction, an inflow that changes
-//   site        where there is one: ground without holes, houses and water that lie on it, and nobody in a wall
+//   site        where there is one: ground without holes, houses and water that lie on it, and no agents in walls
 //   water       a flow that can be, spacing against the channel, periodic lengths, capacity, iteration limits
 //   crowd       groups, start places, goals, markers, ragdoll, events
 void check_scene(const Scene& scene, const std::string& source);

@@ -112,7 +112,7 @@ void check_table_of_residents(const Scene& scene, const std::string& source) {
     }
 }
 
-// Whether those who live in the site have a group.
+// Requires a group for the residents of the site.
 void check_lodgers(const Scene& scene, const std::string& source, Problems& problems) {
     const Site& site = *scene.site;
     std::int64_t in_houses = 0;

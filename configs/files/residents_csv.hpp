@@ -10,7 +10,7 @@
 
 namespace wade {
 
-// A table whose first line names its columns: x and y, m in the site's coordinate system, and any of id, age (years), sex (female,
+// A table whose first line names its columns: x and y, m in the site's coordinate system, and optional columns: id, age (years), sex (female,
 // male), height (m), mass (kg), skill, group and leaves_at (s), each with the limits of its key in a scene. An empty cell sets nothing,
 // but x and y are needed. Throws ConfigurationError that names file, line, value and remedy.
 [[nodiscard]] std::vector<Resident> read_residents(const std::filesystem::path& file);

@@ -163,7 +163,7 @@ struct SiteShelter {
     MapPolygon polygon;
     int capacity = 0;  // people; 0: any number
     std::string label{};
-    bool is_exit = false;  // who gets there has left the site
+    bool is_exit = false;  // people that get there have left the site
 };
 
 struct Resident;  // somebody of a table (scene.hpp)

@@ -85,9 +85,9 @@ void for_each_side_near(const PlacedHouses& houses, const Interval& x, const Int
 // Whether the way from p to q meets a house.
 [[nodiscard]] bool meets_a_house(const PlacedHouses& houses, const Vector2d& p, const Vector2d& q);
 
-// Who lives in the houses of a site: where they start, by which door they leave, and when.
+// Residents of the houses of a site: where they start, by which door they leave, and when.
 //
-// People of the site's table who stand in a house, and as many of each house as its `residents` says, start indoors. They are not in
+// People of the site's table with a position in a house, and as many of each house as its `residents` says, start indoors. They are not in
 // the water until they leave; then they stand before their door, as soon as there is room.
 
 inline constexpr double never = std::numeric_limits<double>::infinity();

@@ -68,7 +68,7 @@ void take_in(Navigation& navigation, std::size_t shelter);
 // Names people without a route to a goal at the start in a sentence, or returns nothing; residents indoors are left out.
 [[nodiscard]] std::string people_cut_off(const Navigation& navigation, const Scene& scene, const Agents& agents);
 
-// The share of its speed that somebody has at p, walking along `way`: by the slope, 0 of who waits; 1 without a site.
+// Returns the share of its speed that a person has at p, walking along `way`: by the slope, 0 while it waits; 1 without a site.
 [[nodiscard]] double share_on_ground(const Navigation& navigation, std::uint32_t id, const Vector2d& p,
                                      const Vector2d& way);
 

@@ -30,7 +30,7 @@ std::uint32_t columns_along(const Interval& extent, double spacing) {
     return static_cast<std::uint32_t>(std::max(1.0, std::floor(extent.length() / (width_in_spacings * spacing))));
 }
 
-// Area of the houses of a site by column, m2: of those that overlap as often. columns: their number along x.
+// Returns the area of the houses of a site by column, m2; overlaps count as often. columns: their number along x.
 void take_houses(const Site& site, const Interval& x, const Interval& z, std::uint32_t nx, std::uint32_t nz,
                  std::vector<double>& ground) {
     constexpr int along = 4;  // points in a column at which houses are looked for

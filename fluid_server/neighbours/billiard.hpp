@@ -1,5 +1,5 @@
 #pragma once
-// Who sees whom on a site, past walls at any angle and in them as mirrors.
+// Visibility between particles on a site, past walls at any angle and in them as mirrors.
 //
 // An image is seen if the straight line to it, folded at the walls, is the path of a billiard ball in the water:
 //

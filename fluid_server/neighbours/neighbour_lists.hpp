@@ -65,7 +65,7 @@ struct NeighbourBlock {
 
         bool operator==(const View&) const = default;
     };
-    // Instead of `map` and `viscous` on a site, whose walls and ground have any angle; water slips along all of them.
+    // Instead of `map` and `viscous` on a site, as its walls and ground have any angle; water slips along all of them.
     struct TurnedView {
         TurnedMap map;
         bool in_ground = false;   // ground is among what mirrors

@@ -60,7 +60,7 @@ struct WeirFlux {
     const auto of_higher = [&](const WeirSide& side, double towards) {
         return q > 0 ? push(side.h, towards - q / side.h) + q * q / side.h : push(side.h, towards);
     };
-    // away: velocity away from the wall, of which the water that arrives explains so much as its own.
+    // away: velocity away from the wall; the part below that of the arriving water is the arriving water's own.
     const auto of_other = [&](const WeirSide& side, double away) {
         return push(side.h, away > 0 ? -std::max(0.0, away - jet) : -away) + q * jet;
     };

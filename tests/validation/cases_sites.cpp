@@ -1,4 +1,4 @@
-// Shallow water on sites whose truth is known: bowls and lakes at an angle, a street, long channels, a hydrograph.
+// Shallow water on sites with known solutions: bowls and lakes at an angle, a street, long channels, a hydrograph.
 
 #include <algorithm>
 #include <cmath>

@@ -29,7 +29,7 @@
 
 namespace wade::validation {
 
-// One who stands: desired speed 0 and tau 0, so that the position is the same in every run.
+// A standing person: desired speed 0 and tau 0, so that the position is the same in every run.
 struct StandingAgent {
     std::uint32_t id = 0;
     crowd::Vector2d impulse = crowd::Vector2d::Zero();  // I_a, kg m

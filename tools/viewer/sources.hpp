@@ -162,7 +162,7 @@ class FrameTable {
 // What stands in a site: outlines of houses, shelters, gates, sources and outlets, m, as JSON.
 [[nodiscard]] std::string site_json(const Site& site);
 
-// The ground of a site at points of a square grid whose first one is the scene's origin; NaN outside.
+// The ground of a site at points of a square grid that begins at the scene's origin; NaN outside.
 [[nodiscard]] Message ground_of(const Scene& scene);
 
 class RunFolder {

@@ -325,8 +325,8 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
         "start",
         [&] {
             f.choice("from", group.starts,
-                     "grid: on the start grid. houses: those who live in the houses of the site, and those of its "
-                     "residents_csv who name this group; the first such group has those who name none. They start "
+                     "grid: on the start grid. houses: the residents of the houses of the site, and the people of its "
+                     "residents_csv that name this group; the first such group has people that name none. They start "
                      "indoors, or where the table says.");
             std::optional<double> x = group.start_x, z = group.start_z;
             f.acts_only(on_grid, [&] {

@@ -112,7 +112,7 @@ void fields(Fluid& fluid, Fields& f) {
         "publish", fluid.publish,
         "On a site, which columns of shallow_water a frame holds. all: each wet cell. near_agents: those within 10 m "
         "and more "
-        "of somebody outdoors, as /coupling/agents_stream says where they are; ways then know no other water, and maps "
+        "of a person outdoors, as /coupling/agents_stream says where they are; ways then know no other water, and maps "
         "of the crowd have no other.");
     f.acts_only(with_models("with the model mixed", {ModelKind::mixed}), [&] {
         f.object(

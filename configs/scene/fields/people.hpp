@@ -46,7 +46,7 @@ struct PersonRow {
     std::vector<TauPoint> tau_history;
 };
 
-// Somebody of a site's table of residents.
+// A row of a site's table of residents.
 struct Resident {
     std::string id;                   // as the table has it
     std::size_t line = 0;             // of the table

@@ -1,5 +1,5 @@
 #pragma once
-// Which group those who live in a site belong to.
+// The groups of the residents of a site.
 
 #include <algorithm>
 #include <cstddef>

@@ -135,12 +135,12 @@ void fields(ShelterKeys& shelter, Fields& f) {
     f.path("file", shelter.file, "GeoJSON with polygons; their properties name and capacity stand over the keys here.");
     polygon_field(f, shelter.polygon, corners);
     f.whole("capacity", shelter.capacity, "", from(0).to(10000000), "People that it has room for; 0: any number.");
-    f.flag("exit", shelter.is_exit, "Whether people who get there have left the site, and count as arrived.");
+    f.flag("exit", shelter.is_exit, "Whether people that get there have left the site, and count as arrived.");
 }
 
 void fields(SiteKeys& site, Fields& f) {
     f.whole("epsg", site.epsg, "", from(0).to(1000000),
-            "Number of the coordinate system, a projected one in metres; 0: a plan whose metres belong to none.",
+            "Number of the coordinate system, a projected one in metres; 0: a plan in metres of no system.",
             otherwise("that of the ground's file"));
     f.number("origin_easting_m", site.origin_x, "m", from(-1e8).to(1e8),
              "Easting of the scene's origin. Points in a scene count from there; files have the system's coordinates.",

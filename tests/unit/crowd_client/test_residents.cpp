@@ -226,7 +226,7 @@ TEST_CASE("A hundred thousand residents are made, and who is indoors costs no st
     CHECK(crowd.positions.capacity() < 100);
 }
 
-// Somebody who floats off in 2 m of water, 30 m from the western edge of a site.
+// A person that floats off in 2 m of water, 30 m from the western edge of a site.
 Scene swept(bool with_outlet) {
     Scene scene = one_house(0);
     scene.fluid->shallow_water.cell_size = 1;

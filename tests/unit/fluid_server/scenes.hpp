@@ -51,7 +51,7 @@ inline Scene emitter_channel(double velocity, double gravity, int capacity) {
     return scene;
 }
 
-// A tank on a site, whose walls are those of a house with a courtyard, so that they have any angle.
+// A tank on a site; its walls are the sides of a courtyard of a house, so that they have any angle.
 struct SiteTank {
     double length = 1.2, width = 1.2;
     double turned = 0;   // degrees in plan

@@ -38,7 +38,7 @@ def row_of(folder, run, fingerprint, refusal):
 
 
 def said_of_sites(rows):
-    """Where people of a site may be besides, of those columns that a row has."""
+    """Returns the columns of a row that count people of a site by where they are."""
     return [key for key in OF_SITES if any(key in row for row in rows)]
 
 

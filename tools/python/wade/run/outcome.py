@@ -48,7 +48,7 @@ class BeforeRun:
 
 
 def in_site(outcome):
-    """Who is sheltered and indoors, as words."""
+    """Returns the numbers of sheltered and indoor people as words."""
     return f", {outcome['sheltered']} sheltered, {int(outcome['indoors']) + int(outcome['upper_floor'])} indoors"
 
 
