@@ -169,7 +169,8 @@ Scene site_with_all() {
     site.sources = {{"hill", turn.box(-13, -10, -2, 2), {}, {{0, 0}, {5, 3}, {10, 1}}}};
     site.rain = {{0, 0}, {2, 3000}, {4, 0}};
     site.water = {{turn.box(-12, -6, -20, 20), 2.5}};
-    site.barriers = {{.name = "gate", .line = {turn(-6, -12), turn(-6, 12)}, .opens_at = 1.5}};
+    site.barriers = {{.name = "gate", .line = {turn(-6, -12), turn(-6, 12)}, .opens_at = 1.5},
+                     {.name = "levee", .line = {turn(8, -9), turn(8, 9)}, .crest = 1.8}};
     site.gauges = {{"low", {20, 6}}, {"high", {20, 14}}};
     site.outlets = {{"sea", OutletKind::free, {}, {{30, 2}, {30, 10}}, {}},
                     {"lake", OutletKind::stage, {}, {{30, 10}, {30, 14}}, {{0, 1.5}, {4, 2}}},

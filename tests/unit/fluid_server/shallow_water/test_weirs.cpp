@@ -1,4 +1,6 @@
 // Flood walls that water runs over.
+#include <omp.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -122,6 +124,31 @@ TEST_CASE("an oblique flood wall passes what its length does", "[site][weir]") {
         const double before = beyond();
         while (world.time < 4) step(world, 4 - world.time);
         CHECK((beyond() - before) / (3 * 20) == Approx(discharge_behind_a_wave(crest + 0.2)).epsilon(0.05));
+    }
+}
+
+TEST_CASE("water over a flood wall has the same bits for any number of threads, and if all cells are worked on",
+          "[site][weir]") {
+    Scene scene = empty_site(60, 60, 0.5);
+    const Turn turn(30, 30, 25);
+    scene.site->barriers = {wall_along({turn(0, -50), turn(0, 0), turn(8, 50)}, crest)};
+    scene.site->water = {{turn.box(-50, -1, -50, 50), 1}};
+    const auto run = [&](int threads, bool all) {
+        const int before = omp_get_max_threads();
+        omp_set_num_threads(threads);
+        ShallowWater world(scene);
+        for (double left = 3; left > 1e-9; left -= step(world, left).dt) {
+            if (all) world.lines.active = Lines(world.grid, true);
+        }
+        omp_set_num_threads(before);
+        return world.water;
+    };
+    const Water one = run(1, false);
+    REQUIRE(one.h[ShallowWater(scene).grid.row(60) + 70] > 0.01);  // beyond the wall
+    for (const Water& other : {run(2, false), run(3, false), run(1, true)}) {
+        CHECK(other.h == one.h);
+        CHECK(other.qx == one.qx);
+        CHECK(other.qz == one.qz);
     }
 }
 
