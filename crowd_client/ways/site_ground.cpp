@@ -81,13 +81,17 @@ void find_free_ground(Navigation& navigation) {
 // Depth and velocity by cell; whether there is any water.
 bool find_water(SiteWays& site, const WaterBins& water, double rest_density) {
     const std::size_t cells = site.cells.cells();
+    const double area = site.cells.step_x * site.cells.step_z;
+    const double of_column = water.column.x() * water.column.y() / area;
     std::vector<Contact> sums(cells);
+    std::vector<double> covered(cells);  // by columns, fraction of the cell
     Footprints footprints(site.cells, rest_density, water.column);
     for (std::size_t k = 0; k < water.x.size(); ++k) {
         const WaterParticle p = water.particle(k);
         const auto add = [&](std::size_t cell, double share) {
             sums[cell].mass += share * p.mass;
             sums[cell].momentum += share * p.mass * p.velocity;
+            covered[cell] += share * of_column;
         };
         if (water.has_columns()) {
             footprints.deal(water.x[k], water.z[k], p.mass,
@@ -97,14 +101,13 @@ bool find_water(SiteWays& site, const WaterBins& water, double rest_density) {
         }
     }
     constexpr double least_free = 0.0625;  // of a cell; the little water in less counts as if it filled that
-    const double of_cell = rest_density * site.cells.step_x * site.cells.step_z;
     bool any = false;
     site.depth.assign(cells, 0.0F);
     site.speed.assign(cells, 0.0F);
     for (std::size_t c = 0; c < cells; ++c) {
-        // A column has its depth on the whole of its rectangle.
-        const double free = water.has_columns() ? 1.0 : std::max(site.free[c], least_free);
-        const double depth = sums[c].mass / (of_cell * free);
+        // The column of a cut cell has its depth on the whole of its rectangle, also where that lies in a house.
+        const double open = std::max({site.free[c], covered[c], least_free});
+        const double depth = sums[c].mass / (rest_density * area * open);
         if (!(depth > wet)) continue;
         any = true;
         site.depth[c] = static_cast<float>(depth);

@@ -244,11 +244,7 @@ Navigation make_site_ways(const Scene& scene, const Agents& agents) {
     finish_grid(navigation, scene);
 
     SiteWays& site = navigation.site.emplace();
-    constexpr double cell = GroundGrid::cell_size;
-    // Whole cells of the water.
-    const double of_fluid =
-        scene.fluid->model == ModelKind::shallow_water ? scene.fluid->shallow_water.cell_size : cell;
-    const double step = of_fluid * std::ceil(cell / of_fluid - 1e-9);
+    constexpr double step = GroundGrid::cell_size;
     site.cells = {0,
                   0,
                   step,

@@ -12,8 +12,8 @@
 //                            93-1 (1993): speed over that on level ground, S the rise along the way
 //   may enter                D < 0.8 of the group's mean person who stands there, and no more than enters_up_to_m of water
 //
-// Water is that of cells of 2 m, or of whole cells of the fluid if these are wider: depth = mass / (rho, ground without houses),
-// velocity = momentum / mass.
+// Water is that of cells of 2 m, whatever the cells of the fluid: depth = mass / (rho, ground without houses), velocity =
+// momentum / mass.
 //
 // Who is not warned takes a field without water until water that it may not enter is in sight before it, sight_m ahead on its way
 // with no house between; from then on it knows as much as the warned [A].
