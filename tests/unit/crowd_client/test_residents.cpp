@@ -185,7 +185,7 @@ TEST_CASE("Fewer than three cells across the houses are told of with the cells t
     CHECK(told(4, 9, 0).empty());
 }
 
-TEST_CASE("Fewer than two cells across the gaps between houses are told of, and houses that touch have none") {
+TEST_CASE("Fewer than three cells across the gaps between houses are told of, and houses that touch have none") {
     const auto told = [](double cell, double gap) {
         Scene scene = one_house(1);
         scene.fluid->model = ModelKind::shallow_water;
@@ -199,10 +199,10 @@ TEST_CASE("Fewer than two cells across the gaps between houses are told of, and 
         for (const std::string& warning : water_warnings(scene)) text += warning;
         return text;
     };
-    CHECK(told(2, 4).empty());
+    CHECK(told(1.3, 4).empty());
     CHECK_THAT(told(2.2, 3), Catch::Contains("1.4 of them across the gap to the next house") &&
-                                 Catch::Contains("cell_size_m 1.5 or less"));
-    CHECK(told(3, 8).empty());
+                                 Catch::Contains("cell_size_m 1 or less"));
+    CHECK(told(3, 9.5).empty());
 }
 
 TEST_CASE("A hundred thousand residents are made, and who is indoors costs no step") {
