@@ -71,7 +71,7 @@ void check_points(const Scene& scene, const std::string& source) {
 void check_ends(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
     const std::vector<BedPoint>& points = channel.bed_points;
-    const double reach = support_radius_of(scene.fluid);
+    const double reach = reach_of_water(scene.fluid);
     const auto check_level = [&](const Interval& x, double y, const std::string& where) {
         const Interval heights = bed_heights_over(points, x);
         if (heights.lo >= y - rounding_tolerance && heights.hi <= y + rounding_tolerance) return;

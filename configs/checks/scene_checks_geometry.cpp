@@ -72,20 +72,19 @@ void check_apart(const std::vector<Box>& boxes, const std::string& source) {
 // border do not see it, and the emitter would push its lattice through it.
 void check_obstacles_near_ends(const Scene& scene, const std::string& source) {
     const Channel& channel = scene.channel;
-    const double reach = support_radius_of(scene.fluid);
+    const double reach = reach_of_water(scene.fluid);
     Interval x = channel.x;
     Interval z = channel.z;
     if (channel.flow == Flow::recirculating || channel.flow == Flow::periodic) x = {x.lo + reach, x.hi - reach};
     if (channel.flow == Flow::emitter) x.hi -= 2 * reach;
     if (channel.sides == Sides::periodic) z = {z.lo + reach, z.hi - reach};
-    const double spacings = reach / scene.fluid->particle_spacing;
     for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
         const Obstacle& obstacle = scene.obstacles[i];
         if (within(obstacle.x, x) && within(obstacle.z, z)) continue;
         refuse(source, "/obstacles/" + std::to_string(i),
                "the obstacle at x " + words(obstacle.x) + ", z " + words(obstacle.z) + " is too near to the emitter (" +
-                   short_number(2 * spacings) + " particle spacings) or to a periodic border (" +
-                   short_number(spacings) + " particle spacings); allowed: x " + words(x) + ", z " + words(z) + ".");
+                   short_number(2 * reach) + " m) or to a periodic border (" + short_number(reach) +
+                   " m); allowed: x " + words(x) + ", z " + words(z) + ".");
     }
 }
 

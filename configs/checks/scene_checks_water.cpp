@@ -287,6 +287,7 @@ void check_water(const Scene& scene, const std::string& source, Problems& proble
     const bool particles_on_site = scene.site && fluid.model == ModelKind::dfsph;
     if (particles_on_site) check_particles_on_site(scene, source, problems);
     if (!particles_on_site && !carries_water(scene.channel)) return;
+    if (fluid.model == ModelKind::shallow_water) return;
     if (fluid.model != ModelKind::automatic) {  // which chooses a spacing that fits
         if (!problems.attempt([&] { check_spacing(scene, source); })) return;
         problems.attempt([&] { check_kernel(fluid, source); });

@@ -31,6 +31,11 @@ double support_radius_of(const Fluid& fluid) {
     return support_in_spacings_of(fluid) * fluid.particle_spacing;
 }
 
+double reach_of_water(const Fluid& fluid) {
+    const double support = support_radius_of(fluid);
+    return fluid.model == ModelKind::shallow_water ? std::min(support, fluid.shallow_water.cell_size) : support;
+}
+
 namespace {
 
 // Of a site, as far as levels tell: those of its water and its outlets above the lowest ground of its raster, at least 1 m.

@@ -14,6 +14,10 @@ namespace wade {
 // h, the distance at which the kernel ends, m.
 [[nodiscard]] double support_radius_of(const Fluid& fluid);
 
+// Returns how far obstacles and bed stay level or away from inflows and periodic borders, m: the support radius, in shallow water
+// a cell if that is less.
+[[nodiscard]] double reach_of_water(const Fluid& fluid);
+
 // The greatest height of water that the scene speaks of, m: sets the scale of wave speeds and of the grid.
 [[nodiscard]] double deepest_water(const Scene& scene);
 

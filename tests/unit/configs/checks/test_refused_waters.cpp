@@ -214,6 +214,18 @@ TEST_CASE("shallow water refuses what has no place in it") {
                Contains("/obstacles/0: the obstacle is 0.3 m long in x, less than a cell of 0.5 m"));
 }
 
+TEST_CASE("shallow water does not keep the rules of particles") {
+    const std::vector<std::string> thin{"/channel/z_min_m=12", "/channel/z_max_m=12.4",
+                                        "/fluid/shallow_water/cell_size_m=0.04"};
+    const std::string block = R"({"fluid": {"model": ")",
+                      channel = R"(", "max_particles": 1}, "channel": {"sides": "periodic",
+        "water_blocks": [{"x_min_m": 5, "x_max_m": 5.2, "z_min_m": 12, "z_max_m": 12.4, "depth_m": 0.1}]}})";
+    CHECK_NOTHROW(load_patched(block + "shallow_water" + channel, thin));
+    const std::string particles = refusal(block + "dfsph" + channel, thin);
+    CHECK_THAT(particles, Contains("/fluid/particle_spacing_m: 0.4642 m is larger than the channel's width of 0.4 m"));
+    CHECK_THAT(refusal(block + "mixed" + channel, thin), Contains("/fluid/particle_spacing_m"));
+}
+
 TEST_CASE("a kinematic stream in a closed channel or round an obstacle is refused") {
     const std::string kinematic = R"({"fluid": {"model": "kinematic"}, "channel": )";
     CHECK_THAT(refusal(kinematic + R"({}})"), Equals("scene.json: /fluid/model: \"kinematic\" is a stream of given "
