@@ -123,7 +123,7 @@ CASES = (
     river("river_075", 0.75),
     river("river_100", 1.0),
     Case("door", "converge/door", (*CROWD, cells(0.25, 0.125, 0.5)), choices=(WALKING,)),
-    Case("street", "converge/street", (*SITE, cells(1, 0.5, 2, 4)), choices=(WALKING, BODIES)),
+    Case("street", "converge/street", (*SITE, cells(0.5, 0.35, 0.89, 1, 2, 4)), choices=(WALKING, BODIES)),
     Case("village", "sites/village/village", (*SITE, cells(1, 2, 4)), choices=(WALKING, WAYS, BODIES)),
     Case("hamlet", "sites/hamlet", (*SITE, cells(1, 2, 4)), choices=(WALKING,)),
 )
