@@ -18,8 +18,8 @@
 namespace wade::crowd {
 namespace {
 
-// Random numbers of the agents, apart from those of the markers: a stream for each agent, a counter for each purpose.
-// The starts take the counters from `start` on, two a trial.
+// Random numbers of the agents, separate from the markers' numbers: a stream per agent, a counter per purpose.
+// Start positions take the counters from `draw_start` on, two per trial.
 enum Draw : std::uint64_t {
     draw_tau,
     draw_mass,
@@ -39,13 +39,13 @@ double random_of(const Scene& scene, std::size_t id, std::uint64_t draw) {
     return counter_uniform(scene.seed, agents_streams + id, draw);
 }
 
-// A deviation past an edge is mirrored there, as often as it takes, so that starts stay spread.
+// Mirrors a deviation past an edge at the edge, as often as needed, so that starts stay spread.
 double folded_into(double v, double length) {
     const double there_and_back = std::fmod(std::abs(v), 2 * length);
     return there_and_back > length ? 2 * length - there_and_back : there_and_back;
 }
 
-// What starts keep out of.
+// Obstacles and houses, which no start may lie in.
 struct Solids {
     PlacedBoxes obstacles;
     PlacedHouses houses;
@@ -57,7 +57,7 @@ bool in_an_obstacle(const Solids& solids, const Vector2d& p) {
                     [&](const Obstacle& o) { return o.x.contains(p.x()) && o.z.contains(p.y()); });
 }
 
-// The place on the grid with the deviation of a trial.
+// Returns a position of the start grid with the deviation of a trial.
 Vector2d deviated(const Scene& scene, std::size_t id, const Vector2d& place, double jitter, std::uint64_t trial) {
     const double period = scene.world->period();
     const double u = random_of(scene, id, draw_start + 2 * trial);
@@ -70,7 +70,8 @@ Vector2d deviated(const Scene& scene, std::size_t id, const Vector2d& place, dou
     return start;
 }
 
-// The first trial that is outside obstacles and not at the start of an agent in `taken`.
+// Returns the first trial outside obstacles and away from all starts in `taken`; the position itself if all fail.
+// Throws ConfigurationError if that is taken, too.
 Vector2d jittered(const Scene& scene, std::size_t id, const AgentGroup& group, std::size_t g, const Vector2d& place,
                   const Solids& solids, const NearPlaces& taken) {
     constexpr std::uint64_t trials = 100;
@@ -86,7 +87,7 @@ Vector2d jittered(const Scene& scene, std::size_t id, const AgentGroup& group, s
     throw ConfigurationError(message.str());
 }
 
-// Starts on the grid come first, as those that are drawn keep away from them.
+// Draws the random starts. Starts on the grid are taken first, as random starts keep away from them.
 void draw_starts(const Scene& scene, Agents& agents) {
     const auto group_of = [&](std::size_t id) -> const AgentGroup& { return scene.crowd->groups[agents.group[id]]; };
     const auto is_drawn = [&](std::size_t id) { return group_of(id).start_jitter > 0; };
@@ -103,13 +104,13 @@ void draw_starts(const Scene& scene, Agents& agents) {
     }
 }
 
-// The person of a table that an agent is, the `member`-th of its group; one that sets nothing without a table.
+// Returns the table row of the `member`-th agent of a group; without a table, a row that sets nothing.
 PersonRow person_of_table(const Crowd& crowd, const AgentGroup& group, int member, std::size_t id) {
     if (!group.people.empty()) return group.people[static_cast<std::size_t>(member) % group.people.size()];
     return crowd.people.empty() ? PersonRow{} : crowd.people[id % crowd.people.size()];
 }
 
-// The agent's tau in time, of a table or that of all in its group, `of_group`.
+// Adds the agent's tau over time: from its table row, else `of_group`, that of its group.
 void add_tau_line(Agents& agents, std::size_t id, const PersonRow& person, const TauLine& of_group) {
     TauLine line = of_group;
     if (!person.tau_history.empty()) line.points = std::make_shared<const std::vector<TauPoint>>(person.tau_history);
@@ -127,7 +128,7 @@ void check_start(const World& world, std::size_t group, int member, const Vector
     throw ConfigurationError(message.str());
 }
 
-// Where the shelter is that is nearest as the crow flies; the place itself if there is none.
+// Returns the middle of the nearest shelter in a straight line; the position itself if there is none.
 Vector2d nearest_shelter(const Scene& scene, const Vector2d& place) {
     Vector2d nearest = place;
     double least = never;
@@ -142,7 +143,7 @@ Vector2d nearest_shelter(const Scene& scene, const Vector2d& place) {
     return nearest;
 }
 
-// line: tau in time of the group.
+// Adds an agent of group g; line: tau of the group over time.
 void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d& place, const PersonRow& person,
                const TauLine& line) {
     const AgentGroup& group = scene.crowd->groups[g];
@@ -167,7 +168,7 @@ void add_agent(Agents& agents, const Scene& scene, std::size_t g, const Vector2d
     agents.door_depth.push_back(0);
 }
 
-// When somebody in a house leaves it, and whereto.
+// Puts an agent into its house, with its departure time and the choice of the upper floor.
 void let_live_indoors(Agents& agents, const Scene& scene, std::size_t id, const Lodger& lodger) {
     const Leaving& leaving = scene.crowd->groups[agents.group[id]].leaving;
     agents.outcome[id] = Outcome::indoors;
@@ -194,7 +195,7 @@ void add_on_grid(Agents& agents, const Scene& scene, std::size_t g, const TauLin
     }
 }
 
-// Those who start in houses, and those of the table who are outdoors.
+// Adds the agents of a group that start in houses, and agents of its table that start outdoors.
 void add_lodgers(Agents& agents, const Scene& scene, std::size_t g, const TauLine& line) {
     const PlacedHouses houses = houses_of(scene);
     Doors doors(scene, houses, scene.crowd->body_radius + 1e-3);

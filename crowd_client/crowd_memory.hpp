@@ -1,14 +1,15 @@
 #pragma once
-// What a crowd will take, known before anything is taken.
+// Estimates the memory of a crowd before any is allocated.
 
 #include "configs/scene/scene.hpp"
 
 namespace wade::crowd {
 
-// Of a process that holds no crowd yet, bytes.
+// Memory of a process without a crowd, bytes.
 inline constexpr double empty_client = 11e6;
 
-// Of a crowd and its step, to a factor of 2, bytes: fixed markers, agents, fields of travel times, the water near people.
+// Returns the memory of a crowd and its step, to a factor of 2, bytes: fixed markers, agents, travel-time fields, the
+// water near agents.
 [[nodiscard]] double memory_of_crowd(const Scene& scene);
 
 }  // namespace wade::crowd

@@ -10,18 +10,19 @@
 namespace wade::crowd {
 namespace {
 
-// Whether agents keep a velocity from step to step.
+// Returns true if agents keep a velocity from step to step.
 bool keep_velocity(const CrowdWorld& crowd) {
     return !crowd.next.at_end.empty();
 }
 
-// What is left of a velocity where walls kept `from` + `wanted` back at `to`: nothing along an axis that they cut.
+// Returns the velocity after walls stopped the motion from `from` by `wanted` at `to`: 0 along each axis that they cut.
 Vector2d stopped_at_walls(const Vector2d& velocity, const Vector2d& from, const Vector2d& wanted, const Vector2d& to) {
     const Vector2d free = from + wanted;
     return {to.x() == free.x() ? velocity.x() : 0, to.y() == free.y() ? velocity.y() : 0};
 }
 
-// Nobody walks over the fall at x = 0; water that pushes towards it may carry an agent over.
+// Returns the range of x for agent k. No agent walks over the outfall at x = 0; water that flows towards it may carry
+// one over.
 Interval ends_of_step(const CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
     const bool carried_down = crowd.agents.people.by_body[id] != 0
@@ -30,17 +31,17 @@ Interval ends_of_step(const CrowdWorld& crowd, std::size_t k) {
     return ends_for(crowd.walls, crowd.positions[k], crowd.agents.goal[id].x(), carried_down);
 }
 
-// Brings an agent that left a periodic world over one end in at the other.
+// Wraps the position of an agent at a periodic boundary.
 void wrap(Vector2d& p, std::int32_t& laps, double period) {
     const double lap = std::floor(p.x() / period);
     p.x() -= lap * period;
     laps += static_cast<std::int32_t>(lap);
     if (p.x() < period) return;
-    p.x() = 0;  // a step below 0 that is too small to be told from the length
+    p.x() = 0;  // rounding: p.x() was below 0 by less than the precision of the period
     ++laps;
 }
 
-// A blow takes the part of a velocity that went against it.
+// Removes the velocity component, along the lost displacement, that contact with bodies stopped.
 Vector2d stopped_by_bodies(const Vector2d& velocity, const Vector2d& wanted, const Vector2d& way, double dt) {
     const Vector2d lost = wanted - way;
     const Vector2d n = unit_or(lost, Vector2d::Zero());
@@ -59,7 +60,7 @@ void limit_to_bodies(CrowdWorld& crowd) {
                 crowd.part_time, threads_for(crowd));
 }
 
-// Where agent k goes with its body.
+// Returns the new position of agent k with its body, and updates its velocity.
 Vector2d step_with_body(CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
     const Vector2d& u = crowd.bodies.step[k];

@@ -1,5 +1,5 @@
 #pragma once
-// From velocities to places.
+// Moves agents by their velocities; departures from houses and arrival at shelters.
 
 #include <cstddef>
 #include <string>
@@ -8,40 +8,45 @@
 
 namespace wade::crowd {
 
-// Moves the active agents by next.mean * dt, or by what walls, the ends of the world and, if they have bodies, the others
-// leave of it.
+// Moves the active agents by next.mean * part_time, as far as walls, the ends of the world and, with bodies, other
+// agents allow.
 void move_agents(CrowdWorld& crowd);
 
-// Whether the water carries agent k out: into an outlet of a site or, as that is emptied, half a cell or spacing beside it [A].
-// Who answers by the body has lost the feet then; who has a tau has gone farther with the water in this step than he walks.
+// Returns true if the water carries agent k out of the site: into an outlet, or to within 1.5 cells or particle
+// spacings of its line, as the outlet is emptied and may leave the agent half a cell or spacing beside it [A]. An agent
+// that responds by body must have lost its feet. An agent with a given tau must have moved farther along the momentum
+// of the water in this step than it walks.
 [[nodiscard]] bool leaves_with_water(const CrowdWorld& crowd, std::size_t k);
 
-// People who leave their houses, or go to the upper floor, when their time has come (markers/placed_houses.hpp), and who come to a shelter;
-// departures.cpp.
+// Departures and arrivals, in departures.cpp: residents leave their houses, or go to the upper floor, at their
+// departure time (markers/placed_houses.hpp); agents arrive at shelters.
 
-// Of the people before their first step, with steps of dt, s.
+// Returns the agents in houses and their departures before the first step; dt: length of a step, s.
 [[nodiscard]] Indoors indoors_of(const Agents& agents, double dt);
 
-// Lets out those whose time has come before the next step, as far as there is room before their doors, in the order in which they came to
-// them. Costs nothing but for them, and looks at who is outside only while somebody waits. Asked again before the same step it does nothing.
+// Releases agents with a departure time before the next step, in order of arrival at the door, once there is room
+// before it. The positions of agents outdoors are read only while an agent waits at its door. A second call before the
+// same step does nothing.
 void let_out(CrowdWorld& crowd);
 
-// Whether somebody in a house may still come out.
+// Returns true if an agent in a house may still come out.
 [[nodiscard]] bool may_come_out(const CrowdWorld& crowd);
 
-// Records the depth at the doors of people in houses, of the cells of the site's routes, at each update of the routes.
+// Records the depth at the doors of agents in houses, from the cells of the site's routes, at each update of the
+// routes.
 void note_depth_at_doors(CrowdWorld& crowd);
 
 // Returns the number of people indoors, not upstairs, with more than deep_at_door of water at their door so far.
 inline constexpr double deep_at_door = 0.5;  // m
 [[nodiscard]] std::size_t count_behind_deep_water(const CrowdWorld& crowd);
 
-// Returns a sentence on them; "" where there is none.
+// Returns a warning with their number and the largest depth; "" if there are none.
 [[nodiscard]] std::string warning_of_deep_water(const CrowdWorld& crowd);
 
+// Returns true if the agent's group of a site goes to shelters.
 [[nodiscard]] bool goes_to_shelters(const CrowdWorld& crowd, std::uint32_t id);
 
-// Takes somebody in who is on its feet at a shelter that has room, and says what has become of it.
+// Admits an agent with ground under it at a shelter with room. Returns its outcome: `active` if it was not admitted.
 [[nodiscard]] Outcome come_to_shelter(CrowdWorld& crowd, std::uint32_t id);
 
 }  // namespace wade::crowd

@@ -21,13 +21,13 @@
 namespace wade::crowd {
 namespace {
 
-// What a stage works with: the crowd, the water near it, the step and the part of it at hand.
+// Arguments of a stage: the crowd, the water near it, the current step and its part.
 struct Step {
     CrowdWorld& crowd;
     const WaterBins& water;
     std::uint64_t number;
     int part = 0;
-    bool decides = true;  // people choose where to walk, else they walk on
+    bool decides = true;  // agents choose where to walk, else they keep the last choice
     Decision decision = {};
     [[nodiscard]] bool is_wet() const { return !water.x.empty(); }
 };
@@ -43,7 +43,7 @@ void apply_event(Agents& agents, const Scene& scene, const TauEvent& event) {
     }
 }
 
-// tau of those who have one in time, at the end of the step.
+// Sets tau of agents with a tau that changes in time, at the end of the step.
 void follow_tau_lines(Agents& agents, double time) {
     for (const TauLine& line : agents.tau_lines) agents.tau[line.id] = value_at(*line.points, &TauPoint::tau, time);
 }
@@ -86,7 +86,7 @@ WaterProperties water_of(const Scene& scene) {
     return {scene.fluid->rest_density, scene.world->gravity};
 }
 
-// Calls visit(k, id) for each who answers the water by its body.
+// Calls visit(k, id) for each active agent that responds by body.
 template <typename Visit>
 void for_each_by_body(const CrowdWorld& crowd, Visit&& visit) {
     if (crowd.scene.crowd->response != ResponseKind::measured) return;
@@ -168,7 +168,7 @@ void solve_fields(const Step& step) {
     update_navigation(crowd.navigation, crowd.scene, crowd.active, crowd.positions, crowd.goal_offsets, crowd.threads);
 }
 
-// They look at the water that all feel, and stand from then on.
+// Sends the rescuers by the water of this step; a rescuer that stops has a desired speed of 0 from this stage on.
 void send(const Step& step) {
     send_rescuers(step.crowd, step.water);
     for (const Rescuer& one : step.crowd.rescues.rescuers) {
@@ -251,10 +251,10 @@ void push(const Step& step) {
     push_water(crowd.scene, crowd.agents, crowd.active, crowd.felt, crowd.next.push, crowd.part_time, *crowd.pushing);
 }
 
-// Whether the water tumbles somebody who answers by a given tau: where ragdoll.csv has him, once he is in it; in a scene without
-// ragdolls as with local_speed, by the water that he feels.
+// Returns true if the water sweeps an agent with a given tau away: while ragdoll.csv lists the agent and it is in
+// water. In a scene without ragdolls the rule is local_speed with the sampled flow.
 bool is_swept(CrowdWorld& crowd, std::uint32_t id) {
-    constexpr double wet = 0.1;  // m; on a bank the stream beside him may touch him, too
+    constexpr double wet = 0.1;  // m; on a bank the stream beside the agent may touch it, too
     Pose& pose = crowd.poses[id];
     if (!crowd.tumbling.empty()) return crowd.tumbling[id].enabled.holds && pose.depth >= wet;
     RagdollRule rule;
@@ -284,7 +284,7 @@ void look_who_stands(const Step& step) {
     note_standing(step.crowd, step.number);
 }
 
-// Of agent k.
+// Returns the outcome of agent k, but for arrival at a shelter.
 Outcome judge(const CrowdWorld& crowd, std::size_t k) {
     const std::uint32_t id = crowd.active[k];
     const Vector2d& p = crowd.agents.position[id];
@@ -325,8 +325,8 @@ struct Stage {
     When when = When::in_each_part;
 };
 
-// The method, once the positions are frozen and the water round them is sorted. Each stage reads what those before it
-// have written and the agents as the last step left them; `motion` writes the next state of all.
+// The stages of a step, after the positions are frozen and the water round them is sorted. Each stage reads the results
+// of the stages before it and the agents of the last step; `motion` writes the next state of all agents.
 constexpr std::array stages{
     Stage{"events", apply_events_due, When::once},
     Stage{"contacts", find_contacts},  // Eq. 5

@@ -9,13 +9,13 @@
 namespace wade::crowd {
 namespace {
 
-// Places near doors, in squares as wide as two people need.
+// Positions near doors, in squares as wide as two bodies need.
 class PlacesNear {
  public:
     explicit PlacesNear(double apart) : apart_(apart) {}
 
     void watch(const Vector2d& door) { places_[key_of(door, 0, 0)]; }
-    // Kept if it may be near a door.
+    // Keeps the position if it may be near a door.
     void add(const Vector2d& p) {
         for_each_square(p, [&](std::vector<Vector2d>& places) { places.push_back(p); });
     }
@@ -44,7 +44,7 @@ class PlacesNear {
     std::unordered_map<std::uint64_t, std::vector<Vector2d>> places_;
 };
 
-// Those whose time has come, to their doors or upstairs.
+// Moves agents past their departure time to their doors or upstairs.
 void take_due(CrowdWorld& crowd, std::uint64_t step) {
     Indoors& indoors = crowd.indoors;
     for (; indoors.next < indoors.due.size() && indoors.due[indoors.next].step <= step; ++indoors.next) {
@@ -76,7 +76,7 @@ Indoors indoors_of(const Agents& agents, double dt) {
         if (agents.outcome[id] != Outcome::indoors) continue;
         ++indoors.inside;
         if (!std::isfinite(agents.leaves[id])) continue;
-        // The first step that begins at that time or later.
+        // The first step that starts at that time or later.
         const auto step = static_cast<std::uint64_t>(std::ceil(std::max(0.0, agents.leaves[id] / dt - 1e-6))) + 1;
         indoors.due.push_back({step, id});
     }

@@ -23,20 +23,20 @@ using Vector2d = Eigen::Vector2d;
     return square >= std::numeric_limits<double>::min() ? Vector2d(v / std::sqrt(square)) : otherwise;
 }
 
-// One particle of the water as an agent feels it.
+// One particle of the water in contact with an agent, in the ground plane.
 struct WaterParticle {
     double mass = 0;                       // kg
     Vector2d velocity = Vector2d::Zero();  // m/s
 };
 
-// What all particles in contact with an agent carry together.
+// Mass and momentum of all particles in contact with an agent.
 struct Contact {
     double mass = 0;                       // sum of m_i, kg
     Vector2d momentum = Vector2d::Zero();  // sum of m_i v_i, kg m/s
 };
 
-// Eq. 1 to 3 as they are written, for tests to compare with: markers/fixed_owners.cpp has them in the order of the markers,
-// to the bit, and markers/drawn_owners.cpp with one division a marker.
+// Eq. 1 to 3 as published, as a reference for tests: markers/fixed_owners.cpp has them in the order of the markers,
+// to the bit, and markers/drawn_owners.cpp with one division per marker.
 
 // Eq. 1: the motion vector m = sum_k w_k (a_k - X), m.
 // weights: w_k of Eq. 2; marker_offsets: a_k - X of the agent's own markers, m; both of the same length.
@@ -53,14 +53,14 @@ struct Contact {
 [[nodiscard]] double marker_preference(const Vector2d& goal_offset, const Vector2d& marker_offset);
 
 // Eq. 4: the walking velocity v_B = s m / |m|, m/s; zero for m = 0.
-// The source limits s by |m| without saying per what time; the three readings:
+// The source limits s by |m| without stating a unit of time; the three interpretations:
 //   pi          s = min(pi |m| s_max, s_max) per second, as its authors' program does; walks freely at 0.99 s_max
 //   per_frame   s = min(|m|, s_max dt) per step
 //   per_second  s = min(|m|, s_max) per second; walks freely at about 0.31 m/s
 // motion: m of Eq. 1, m; desired_speed: s_max, m/s; dt: length of a step, s.
 [[nodiscard]] Vector2d walking_velocity(const Vector2d& motion, double desired_speed, SpeedRule rule, double dt);
 
-// Eq. 5: what the particles in contact with an agent carry, sum m_i v_i in kg m/s, with their mass sum m_i in kg.
+// Eq. 5: the momentum of the particles in contact with an agent, sum m_i v_i in kg m/s, with their mass sum m_i in kg.
 [[nodiscard]] Contact contact_momentum(std::span<const WaterParticle> particles);
 
 // Eq. 6: momentum of the agent and the water in contact with it before they meet, p = m_a v_B + sum m_i v_i, kg m/s.
@@ -70,8 +70,8 @@ struct Contact {
 // Eq. 7: mass that moves on together after a perfectly inelastic collision, M = m_a + sum m_i, kg.
 [[nodiscard]] double mass_after(double agent_mass, const Contact& water);
 
-// Eq. 8: the share of the water that an agent of endurance tau yields to: tau sum m_i and tau sum m_i v_i.
-// tau in [0, 1]: 0 is not moved at all, 1 is moved like a passive body.
+// Eq. 8: the fraction tau of the water's mass and momentum that acts on an agent: tau sum m_i and tau sum m_i v_i.
+// tau in [0, 1] is the susceptibility, "endurance" in the paper: 0 is not moved at all, 1 is moved like a passive body.
 [[nodiscard]] Contact yielded_water(double tau, const Contact& water);
 
 // Eq. 9: the agent's new velocity, v^{t+1} = (m_a v_B + tau sum m_i v_i) / (m_a + tau sum m_i), m/s: Eq. 6 over Eq. 7
@@ -84,7 +84,7 @@ inline constexpr double response_time = 1.0 / 30;
 
 // Eq. 9 in continuous time, for steps of any length; the rule `continuous`.
 //
-// Eq. 9 gives the velocity at which the pushes of legs and water balance,
+// Eq. 9 gives the velocity that balances the pushes of legs and water,
 //
 //   m_a (v_B - v) + tau sum m_i (v_i - v) = 0   <=>   v = v_inf = (m_a v_B + tau sum m_i v_i) / (m_a + tau sum m_i),
 //
@@ -104,7 +104,7 @@ inline constexpr double response_time = 1.0 / 30;
 // constant T, so that the velocity on average over time is the average of v_inf, as with Eq. 9, for every dt. (It would
 // not be so with legs and water as forces m_a (v_B - v)/T and tau sum m_i (v_i - v)/T, which answer faster the more
 // water touches, in T m_a / (m_a + tau sum m_i): then the average depends on whether dt resolves this time.)
-// The rate at which the water and the markers are sampled remains.
+// The sampling rate of the water and the markers still matters.
 //
 // velocity: v(t), m/s; the others as in Eq. 9; dt > 0, s. Without water or with tau = 0 the velocity tends to v_B.
 struct RelaxedVelocity {

@@ -13,9 +13,9 @@ namespace wade::crowd {
 namespace {
 
 constexpr std::uint8_t hands_of_one = 2;
-constexpr double rest_of_hands = 5;  // after they have let go of a rope, s [A]
+constexpr double rest_of_hands = 5;  // after a rope is let go, s [A]
 constexpr double closing_time =
-    1.6;  // of gaps in a file, s: four times that of legs, so that nobody runs up to another
+    1.6;  // of gaps in a file, s: four times that of legs, so that no follower runs into its leader
 
 double hands_on(const Link& link) {
     return link.kind == LinkKind::hands ? 1 : hands_of_one;
@@ -30,11 +30,12 @@ bool drifts(const People& people, std::uint32_t id) {
     return state == PersonState::carried || state == PersonState::pinned;
 }
 
-// Firm on its feet, so that it holds on to something because it wants to.
+// Returns true for an agent firm on its feet, which holds on by choice.
 bool is_firm(const People& people, std::uint32_t id) {
     return is_firm(people.condition[id].state);
 }
 
+// Removes links of agents that have arrived or died, or no longer respond by body.
 void let_go_of_who_ended(CrowdWorld& crowd) {
     const auto walks = [&](std::uint32_t id) {
         return crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0;
@@ -72,12 +73,12 @@ void take_hold(CrowdWorld& crowd) {
     }
 }
 
-// A rope as somebody meets it: from where it is fixed to its other end, which if it is free lies down the stream.
+// A rope relative to an agent: the vector from its fixed end to its other end, which lies downstream if it is free.
 struct RopeNear {
     Vector2d from = Vector2d::Zero(), along = Vector2d::Zero();  // m, the person at 0
     double free_length = -1;                                     // m; below 0: both ends are fixed
 
-    // The way to its nearest place, m.
+    // Returns the displacement to the nearest point of the rope, m.
     [[nodiscard]] Vector2d nearest() const {
         const double square = along.squaredNorm();
         const double share = square > 0 ? std::clamp(-from.dot(along) / square, 0.0, 1.0) : 0;
@@ -98,14 +99,14 @@ RopeNear rope_near(const CrowdWorld& crowd, std::uint32_t id, std::size_t i) {
     return near;
 }
 
-// Whether somebody who is firm, farther from where it holds on than its arm, wants still farther.
+// Returns true if a firm agent is farther than `length` from the point that it holds, and wants to go farther.
 bool wants_away(const People& people, std::uint32_t id, const Vector2d& to_hold, double length) {
     if (!is_firm(people, id) || !(to_hold.squaredNorm() > length * length)) return false;
     const Vector2d& wanted = people.wanted[id];
     return -wanted.dot(to_hold) > 0.5 * std::sqrt(wanted.squaredNorm() * to_hold.squaredNorm());
 }
 
-// Hand over hand: who stands moves its hands along the rope as far as it wants to go; a carried body clasps it.
+// Moves the hands of an agent with ground along the rope as far as it wants to go; without ground they clasp the rope.
 void follow_rope(const CrowdWorld& crowd, Link& link, const RopeNear& rope) {
     const People& people = crowd.agents.people;
     if (!stands(people, link.a)) return;
@@ -121,7 +122,7 @@ void follow_rope(const CrowdWorld& crowd, Link& link, const RopeNear& rope) {
     if (outwards > 0) link.rest = std::max(link.rest, std::min(rope.free_length + link_length, distance));
 }
 
-// Those on ropes move their hands; who is firm lets go of what it leaves.
+// Moves the hands of agents on ropes, and removes links of firm agents to ropes that they leave.
 void follow_ropes(CrowdWorld& crowd) {
     const People& people = crowd.agents.people;
     for (Link& link : crowd.links) {
@@ -146,7 +147,7 @@ Link hold_of_rope(const CrowdWorld& crowd, std::uint32_t id, std::size_t i, cons
     return link;
 }
 
-// Who is in the water with both hands free takes the nearest rope within reach.
+// Links each agent in water with both hands free to the nearest rope within reach.
 void take_ropes(CrowdWorld& crowd) {
     const People& people = crowd.agents.people;
     const std::vector<std::uint8_t> used = hands_in_use(crowd);
@@ -154,7 +155,7 @@ void take_ropes(CrowdWorld& crowd) {
         if (people.by_body[id] == 0 || used[id] > 0 || !(people.depth[id] > 0)) continue;
         if (time_of(crowd) < crowd.hands_spent[id]) continue;
         const bool is_rescuer = crowd.scene.crowd->groups[crowd.agents.group[id]].rescuer;
-        if (is_rescuer && stands(people, id)) continue;  // whose hands are for the line
+        if (is_rescuer && stands(people, id)) continue;  // its hands are kept for the line
         std::optional<Link> hold;
         double nearest = link_reach * link_reach;
         for (std::size_t i = 0; i < crowd.scene.crowd->ropes.size(); ++i) {
@@ -168,10 +169,11 @@ void take_ropes(CrowdWorld& crowd) {
     }
 }
 
-// The linked people of a step, then the places to which ropes are tied; and which of them each link joins.
+// The linked agents of a step, then the points that ropes are tied to; `of_link` has the two indices that each link
+// joins.
 struct Linked {
     std::vector<LinkedPerson> people;
-    std::vector<std::size_t> place;  // of the people in the list of the active
+    std::vector<std::size_t> place;  // index of each agent in crowd.active
     std::vector<LinkPlaces> of_link;
 };
 
@@ -215,7 +217,7 @@ Linked linked_people(const CrowdWorld& crowd) {
     return linked;
 }
 
-// Grips as time has left them.
+// Updates the grips for fatigue and cold of the hands.
 void weaken(const People& people, std::vector<Link>& links) {
     if (people.wear.empty()) return;
     for (Link& link : links) {
@@ -223,7 +225,7 @@ void weaken(const People& people, std::vector<Link>& links) {
     }
 }
 
-// Of two hands the one that holds more counts [A].
+// Tires both hands of an agent by the load of the hand that holds more [A].
 void tire_all_hands(CrowdWorld& crowd) {
     People& people = crowd.agents.people;
     if (!people.tires) return;
@@ -247,7 +249,7 @@ void note_holds(CrowdWorld& crowd) {
         if (is_rope || (link.kind == LinkKind::hands && stands(people, link.b))) steady(link.a, link.grip);
         if (!is_rope && stands(people, link.a)) steady(link.b, link.grip);
     }
-    // Along a chain without ground the hold goes on from hand to hand.
+    // Along a chain of agents without ground each passes the hold on to the next.
     for (bool is_passed_on = true; is_passed_on;) {
         is_passed_on = false;
         for (const Link& link : crowd.links) {
@@ -259,7 +261,7 @@ void note_holds(CrowdWorld& crowd) {
     }
 }
 
-// Whether one of the two walks behind the other.
+// Returns true if one of the two agents walks behind the other.
 bool is_in_file(const CrowdWorld& crowd, const Link& link) {
     const auto walks = [&](std::uint32_t id) {
         return crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0 &&
@@ -284,7 +286,7 @@ void follow(CrowdWorld& crowd, std::uint32_t id, std::uint32_t leader) {
         keep_in_world(crowd.scene.world, crowd.positions[k], std::clamp(wanted, 0.0, most) * along, crowd.part_time);
 }
 
-// Who leads of two who stand as at the start.
+// Returns the leader of two agents at their starts: nearer to its goal by half a link or more, if any.
 Lead lead_of(const Agents& agents, double period, std::uint32_t a, std::uint32_t b) {
     const auto way_left = [&](std::uint32_t id) { return std::sqrt(goal_offset(agents, id, period).squaredNorm()); };
     const double ahead = way_left(a) - way_left(b);
@@ -316,7 +318,7 @@ void share_speeds_of_files(CrowdWorld& crowd) {
     }
 }
 
-// A leader comes before who follows it: chains are listed in the order of their ids.
+// Each leader is updated before its follower, as links of a chain are in the order of ids.
 void walk_in_files(CrowdWorld& crowd) {
     for (const Link& link : crowd.links) {
         if (link.leads == Lead::a && is_in_file(crowd, link)) follow(crowd, link.b, link.a);
@@ -339,7 +341,7 @@ Vector2d way_to(const CrowdWorld& crowd, std::uint32_t id, const Vector2d& place
 std::vector<std::uint8_t> hands_in_use(const CrowdWorld& crowd) {
     std::vector<std::uint8_t> used(crowd.agents.size(), 0);
     for (const Link& link : crowd.links) {
-        for (const std::uint32_t id : {link.a, link.b}) {  // of a rope these are one
+        for (const std::uint32_t id : {link.a, link.b}) {  // the same id for a rope
             ++used[id];
             if (link.kind == LinkKind::line) ++used[id];
         }

@@ -1,4 +1,4 @@
-// A crowd before its first step.
+// Makes a crowd before its first step, and fits it to a stream.
 
 #include <algorithm>
 #include <sstream>
@@ -42,7 +42,7 @@ void check_coupling(const Scene& scene) {
 
 void move_out_of_faces(Agents& agents, const Walls& walls) {
     for (std::size_t id = 0; id < agents.size(); ++id) {
-        if (agents.outcome[id] == Outcome::indoors) continue;  // before its door, where it has room
+        if (agents.outcome[id] == Outcome::indoors) continue;  // before its door, where there is room
         const std::optional<Vector2d> place = place_outside(walls, agents.position[id]);
         if (!place) {
             std::ostringstream message;
@@ -54,7 +54,7 @@ void move_out_of_faces(Agents& agents, const Walls& walls) {
     }
 }
 
-// Those in houses have room once they come out.
+// Moves agents outdoors apart. Agents in houses are let out only where there is room.
 void make_room_outdoors(CrowdWorld& crowd) {
     const double radius = crowd.scene.crowd->body_radius;
     if (crowd.indoors.inside == 0) return make_room_for_bodies(crowd.agents, crowd.walls, radius);
@@ -75,7 +75,7 @@ void feel_and_push(const Scene& scene, const Vector2d& column, CrowdWorld& crowd
     if (scene.coupling->two_way) crowd.pushing = start_pushing(scene, *crowd.feeling, crowd.agents);
 }
 
-// Settings of the water with the model and the spacing of its stream, where the scene leaves them open.
+// Returns the settings of the water, with the stream's model and spacing where the scene leaves them open.
 Fluid fluid_of_stream(const Fluid& of_scene, const StreamWater& water) {
     Fluid fluid = of_scene;
     if (fluid.model != ModelKind::automatic || !water.model) return fluid;

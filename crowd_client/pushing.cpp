@@ -21,7 +21,7 @@ void note_disc(const Scene& scene, double radius, const Stream& stream, People& 
 }  // namespace
 
 Pushing start_pushing(const Scene& scene, const Feeling& feeling, Agents& agents) {
-    const Stream usual{1, 1, scene.world->gravity};  // until they have been in the water
+    const Stream usual{1, 1, scene.world->gravity};  // until the agent has been in water
     for (std::size_t id = 0; id < agents.size(); ++id) note_disc(scene, feeling.disc_radius, usual, agents.people, id);
     return {std::vector<Vector2d>(agents.size(), Vector2d::Zero()), std::vector<double>(agents.size(), 0),
             std::vector<bool>(agents.size(), false)};
@@ -45,7 +45,7 @@ void find_wakes(const World& world, const WakeMakers& makers, BodyCells& cells, 
     for (std::size_t k = 0; k < n; ++k) {
         const double speed = std::sqrt(makers.stream[k].squaredNorm());
         if (!(speed > 0)) continue;
-        const Vector2d down = makers.stream[k] / speed;  // the wakes in which k may stand lie along its own stream
+        const Vector2d down = makers.stream[k] / speed;  // wakes that reach k lie along its own stream
         const auto range = [&](double furthest) {
             return Interval{std::min(0.0, furthest) - margin, std::max(0.0, furthest) + margin};
         };

@@ -16,14 +16,14 @@ namespace wade::crowd {
 namespace {
 
 constexpr double sight = 20, line_length = 15;  // m; the line [A]
-constexpr double safe = 0.8;                    // D on the way
+constexpr double safe = 0.8;                    // limit of D on a path
 constexpr double shallow = 0.3;                 // m
 constexpr double at_place = 0.5, beside = 1;    // m
 constexpr double hauls = 0.5;                   // m/s [A]
 constexpr double in_tow = 2;                    // m [A]
 constexpr double time_between_throws = 20;      // s [A]
 constexpr double detour = 30;                   // how far it may lead away from the rescuer along each axis, m [A]
-constexpr double pace = 0.25;                   // from one place of a detour to the next, m
+constexpr double pace = 0.25;                   // between points of a detour, m
 constexpr double time_between_looks = 1;        // for detours, s
 
 bool sees(const CrowdWorld& crowd, const Vector2d& from, const Vector2d& to) {
@@ -41,7 +41,7 @@ FeltStep water_at(const CrowdWorld& crowd, const WaterBins& water, Vector2d plac
     return {felt.depth, felt.velocity};
 }
 
-// Whether it would stand with D < 0.8 on each metre of the way, of a length, m, along a unit vector.
+// Returns true if the agent would stand with D < 0.8 on each metre of a path of `length`, m, along a unit vector.
 bool is_safe(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, const Vector2d& along, double length) {
     const WaterProperties properties{crowd.scene.fluid->rest_density, crowd.scene.world->gravity};
     for (int metre = 0; metre < length + 1; ++metre) {
@@ -53,8 +53,8 @@ bool is_safe(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, 
     return true;
 }
 
-// The same along places that are a pace apart, the last the next, until the line is long enough for the first and nothing is in
-// its way.
+// Returns the same for a detour of points a `pace` apart, listed from the casualty back to the rescuer. The check ends
+// where the line reaches the casualty and no obstacle is between them.
 bool is_safe_round(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id,
                    const std::vector<Vector2d>& places) {
     const WaterProperties properties{crowd.scene.fluid->rest_density, crowd.scene.world->gravity};
@@ -71,8 +71,9 @@ bool is_safe_round(const CrowdWorld& crowd, const WaterBins& water, std::uint32_
     return true;
 }
 
-// The nearest place in sight with less than 0.3 m of water, of 16 directions and every metre up to 20 m; if there are any, of those
-// to which no corner cuts off whom it brings. Else its goal.
+// Returns the nearest visible position with less than 0.3 m of water, in 16 directions and every metre up to 20 m.
+// Positions also visible from the casualty come first, as no corner cuts off the line. Without any, returns the
+// rescuer's goal.
 Vector2d nearest_shallow(const CrowdWorld& crowd, const WaterBins& water, std::uint32_t id, const Vector2d& whom) {
     const World& world = crowd.scene.world;
     const Vector2d& here = crowd.agents.position[id];
@@ -103,7 +104,7 @@ bool is_on_line(const CrowdWorld& crowd, std::uint32_t id) {
                        [&](const Link& link) { return link.kind == LinkKind::line && link.b == id; });
 }
 
-// Those whom rescuers look for.
+// Returns the ids of the casualties.
 std::vector<std::uint32_t> people_to_rescue(const CrowdWorld& crowd) {
     std::vector<std::uint32_t> found;
     for (const std::uint32_t id : crowd.active) {
@@ -130,7 +131,7 @@ void throw_line(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, std
     rescuer.retreat = nearest_shallow(crowd, water, rescuer.id, crowd.agents.position[rescuer.id] + way);
 }
 
-// Looks for the shortest way round obstacles to one of those who are out of sight, that it can walk.
+// Finds the shortest route round obstacles to a hidden casualty that the rescuer can walk.
 void look_for_detour(const CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer,
                      const std::vector<std::uint32_t>& hidden) {
     const World& world = crowd.scene.world;
@@ -149,7 +150,7 @@ void look_for_detour(const CrowdWorld& crowd, const WaterBins& water, Rescuer& r
     }
 }
 
-// Nobody in sight can be reached: goes round obstacles, if the scene lets people go round.
+// Sends the rescuer round obstacles if it can reach no casualty in sight, and the scene lets agents go round.
 void go_round(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const std::vector<std::uint32_t>& hidden) {
     if (hidden.empty() || crowd.scene.crowd->navigation.rule == NavigationRule::straight) return rescuer.round.clear();
     if (time_of(crowd) >= rescuer.next_look) {
@@ -161,7 +162,7 @@ void go_round(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer, const
     if (!rescuer.round.empty()) rescuer.way = next();
 }
 
-// Goes to the nearest whom it can reach, and throws once the line is long enough.
+// Sends the rescuer to the nearest casualty that it can reach; throws the line once it is long enough.
 void look_for_somebody(CrowdWorld& crowd, const WaterBins& water, Rescuer& rescuer,
                        const std::vector<std::uint32_t>& candidates) {
     const Vector2d& here = crowd.agents.position[rescuer.id];
@@ -194,7 +195,7 @@ bool is_safe_now(const People& people, std::uint32_t id) {
     return is_firm(people.condition[id].state) && std::max(people.slip[id], people.topple[id]) < safe;
 }
 
-// Whether the one on the line can be let go of.
+// Moves the rescuer or hauls the line. Returns true if the line can be let go.
 bool bring_in(CrowdWorld& crowd, Rescuer& rescuer, Link& line) {
     const People& people = crowd.agents.people;
     const Vector2d& here = crowd.agents.position[rescuer.id];
@@ -203,18 +204,19 @@ bool bring_in(CrowdWorld& crowd, Rescuer& rescuer, Link& line) {
     if (is_safe_now(people, line.b) && (people.depth[line.b] < shallow || distance <= beside)) return true;
     const Vector2d back = way_to(crowd, rescuer.id, rescuer.retreat);
     const bool is_back = people.depth[rescuer.id] < shallow || back.squaredNorm() <= at_place * at_place;
-    // A line is not led round corners: first it is hauled in.
+    // A line cannot pass a corner, so that it is hauled in first.
     const bool is_cut_off = distance > in_tow && !sees(crowd, here + to_whom, here + back);
     rescuer.stands = is_back || is_cut_off;
     if (!rescuer.stands) {
-        if (sees(crowd, here, here + back)) rescuer.way = back;  // or to its goal, by the ways of all
+        if (sees(crowd, here, here + back)) rescuer.way = back;  // else to its goal, on the usual route
     } else if (line.pull < 0.5 * line.grip) {
         line.rest = std::max(link_length, std::min(line.rest, distance) - hauls * crowd.dt);
     }
     return false;
 }
 
-// Whether it can do something: it is on its feet, not just getting up, and answers by its body. Who cannot, drops its line.
+// Returns true if the rescuer can act: active, on its feet, not getting up, and responding by body. Else drops its
+// line.
 bool acts(CrowdWorld& crowd, Rescuer& rescuer) {
     const std::uint32_t id = rescuer.id;
     const bool is_there = crowd.agents.outcome[id] == Outcome::active && crowd.agents.people.by_body[id] != 0;

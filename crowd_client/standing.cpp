@@ -15,7 +15,7 @@
 namespace wade::crowd {
 namespace {
 
-// x counted on over the joint of a periodic world.
+// Returns the position of an agent, with x unwrapped over the periods of a periodic world.
 Vector2d place_of(const CrowdWorld& crowd, std::uint32_t id) {
     return crowd.agents.position[id] + Vector2d(crowd.agents.laps[id] * crowd.scene.world->period(), 0);
 }
@@ -36,7 +36,8 @@ Vector2d rest_of_way(const CrowdWorld& crowd, std::size_t k) {
     return crowd.agents.goal[crowd.active[k]] - place_of(crowd, crowd.active[k]);
 }
 
-// The way that a field leads agent k, m, if one does. Not each step decides on ways.
+// Returns the displacement, m, along the route of a travel-time field, if one leads agent k. It is looked up anew, as
+// not each step decides on routes.
 std::optional<Vector2d> way_led(const CrowdWorld& crowd, std::size_t k) {
     const Navigation& navigation = crowd.navigation;
     if (!finds_ways(navigation)) return std::nullopt;
@@ -46,7 +47,7 @@ std::optional<Vector2d> way_led(const CrowdWorld& crowd, std::size_t k) {
     return way_from(navigation, field, crowd.agents.position[id], rest_of_way(crowd, k));
 }
 
-// A box within half a metre on its way.
+// Returns true if a box or house is within half a metre of the agent along `way`.
 bool faces_an_obstacle(const CrowdWorld& crowd, std::size_t k, const Vector2d& way) {
     constexpr double look = 0.5;  // m, from the skin
     const Vector2d& p = crowd.agents.position[crowd.active[k]];
@@ -85,13 +86,13 @@ StandingReason hold_of(const CrowdWorld& crowd, std::size_t k) {
     if (owns_none || has_too_few_markers(crowd.scene.crowd)) return StandingReason::markers;
     const std::optional<Vector2d> led = way_led(crowd, k);
     const bool faces = faces_an_obstacle(crowd, k, led.value_or(rest_of_way(crowd, k)));
-    // Who is led round obstacles and stands between one and other people waits for these.
+    // An agent with a route round obstacles, between an obstacle and other agents, waits for the other agents.
     if (faces && !(led && is_near_others(crowd, k))) return StandingReason::obstacle;
     if (is_mostly_in_water(crowd.agents, crowd.active[k], crowd.steps)) return StandingReason::water;
     return is_near_others(crowd, k) ? StandingReason::people : StandingReason::unknown;
 }
 
-// What is before them, and the key that helps.
+// Returns the reason in words, and the key that helps.
 std::string words_of(StandingReason hold, const Crowd& settings, bool in_site) {
     switch (hold) {
         case StandingReason::footing:
@@ -148,7 +149,7 @@ void note_standing(CrowdWorld& crowd, std::uint64_t step) {
     constexpr double time_between_looks = 1;  // s
     const auto every = static_cast<std::uint64_t>(std::max(1.0, std::round(time_between_looks / crowd.dt)));
     if (step % every != 0) return;
-    constexpr std::size_t most_looked_at = 100;  // for what holds them, in one look
+    constexpr std::size_t most_looked_at = 100;  // number of agents checked for their reason in one call
     std::array<std::vector<std::uint32_t>, holds> found;
     std::size_t looked_at = 0;
     for (std::size_t k = 0; k < crowd.active.size(); ++k) {

@@ -1,8 +1,9 @@
 #pragma once
-// Who stands though it wants to move, and what keeps it.
+// Finds agents that stand although they want to move, and the reason.
 //
-// Somebody stands if for 30 s it has not got farther from one place than a twentieth of what it walks freely in that
-// time, 2 m at 1.3 m/s: less than in a queue that moves. Looked for once a second. Who wants nothing (desired speed 0), has arrived or is dead does not stand.
+// An agent stands if for 30 s it has stayed near one position, within a twentieth of its free walking distance in that
+// time, 2 m at 1.3 m/s: less than in a queue that moves. The check runs once a second. An agent with a desired speed of
+// 0, or one that has arrived or died, does not stand.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,27 +15,28 @@
 namespace wade::crowd {
 
 inline constexpr double standing_time = 30;     // s
-inline constexpr double standing_share = 0.05;  // of the free way
+inline constexpr double standing_share = 0.05;  // of the free walking distance
 
-// Why an agent stands still; of several reasons the first.
+// Why an agent stands; if several reasons apply, the first.
 enum class StandingReason : std::uint8_t {
     footing,   // the water keeps it off its feet, or they slip (response measured)
-    markers,   // too few to walk by
+    markers,   // too few for walking
     obstacle,  // a box right before it
-    water,     // in which it was most of the time
+    water,     // in water most of the time, or waiting at its edge or without a route
     people,    // within a metre
     unknown
 };
 inline constexpr std::size_t holds = 6;
 
-// Notes who stands after a step, and warns once of each hold that it finds, in crowd.warnings. Before judge_outcomes(): place k still belongs to active[k].
+// Records the agents that stand after a step, and adds a warning to crowd.warnings the first time that each reason is
+// found. Call it before judge_outcomes(), while index k still belongs to active[k].
 void note_standing(CrowdWorld& crowd, std::uint64_t step);
 
-// Of the active agents.
+// Returns the number of active agents that stand.
 [[nodiscard]] std::size_t count_standing(const CrowdWorld& crowd);
 
-// How it goes with an agent, one of state_names(): "arrived", "dead" or "drowned", "standing", "walking", or, with the response
-// measured, as people/states.hpp says.
+// Returns the state of an agent, one of state_names(): "arrived", "dead" or "drowned", "standing", "walking", or, with
+// the response measured, as people/states.hpp says.
 [[nodiscard]] std::string_view state_name(const CrowdWorld& crowd, std::size_t id);
 [[nodiscard]] std::vector<std::string_view> state_names(const Scene& scene);
 

@@ -17,7 +17,7 @@ struct Needed {
 };
 
 Needed needed_markers(const Crowd& crowd) {
-    const bool bodies = crowd.bodies != BodyRule::none;  // claim ahead of themselves
+    const bool bodies = crowd.bodies != BodyRule::none;  // agents claim markers ahead of themselves
     if (crowd.markers == MarkerRule::fixed) return bodies ? Needed{16, 5} : Needed{45, 6};
     return bodies ? Needed{6, 4} : Needed{16, 4};
 }
@@ -36,7 +36,7 @@ std::string warning_of_markers(const Crowd& crowd) {
 int least_markers_per_cell(const Crowd& crowd) {
     const Needed needed = needed_markers(crowd);
     const double radius = crowd.perception_radius;
-    // Below 1 m as many within the radius as there, above it by a power of the radius.
+    // Below 1 m the number of markers within the radius is that at 1 m; above, it follows a power of the radius.
     const double count = radius < 1 ? needed.at_1_m / (radius * radius)
                                     : needed.at_1_m * std::pow(needed.at_2_m / needed.at_1_m, std::log2(radius));
     return static_cast<int>(std::ceil(count - 1e-9));

@@ -1,5 +1,5 @@
 #pragma once
-// What a scene lets expect of its people before their first step.
+// Warnings about a scene's markers and routes before the first step.
 
 #include <string>
 #include <vector>
@@ -9,16 +9,17 @@
 
 namespace wade::crowd {
 
-// The fewest markers in a cell with which a lone person gets along at nine tenths of its desired speed. Measured with the
-// speed rule `pi`: 100 walks of 20 s each, 1 to 100 markers in a cell; see the test.
+// Returns the fewest markers per cell for a lone agent to walk at nine tenths of its desired speed. Measured with the
+// speed rule `pi`: 100 walks of 20 s each, 1 to 100 markers per cell; see the test.
 [[nodiscard]] int least_markers_per_cell(const Crowd& crowd);
 
 [[nodiscard]] inline bool has_too_few_markers(const Crowd& crowd) {
     return crowd.markers_per_cell < least_markers_per_cell(crowd);
 }
 
-// Sentences for the user, each with the key: too few markers, people without a way to their goal. Throws ConfigurationError for
-// bodies that do not fit through any way to their goal, unless the scene states the navigation `straight`.
+// Returns sentences for the user, each with the key: too few markers, agents without a route to their goal. Throws
+// ConfigurationError for bodies that fit through no route to their goal, unless the scene states the navigation
+// `straight`.
 [[nodiscard]] std::vector<std::string> start_warnings(const Scene& scene, const Agents& agents,
                                                       const Navigation& navigation);
 

@@ -1,5 +1,5 @@
 #pragma once
-// How long the stages of a step take.
+// Measures the wall time of the stages of a step.
 
 #include <chrono>
 #include <cstddef>
@@ -13,7 +13,7 @@ struct StepTimes {
     std::vector<double> seconds;  // of wall time over all steps, by stage
 };
 
-// Runs a stage, and takes its time if somebody wants to know it.
+// Runs a stage, and adds its wall time to `times`, if that is not null.
 template <typename Work>
 void timed(StepTimes* times, std::size_t stage, Work&& work) {
     if (times == nullptr) return work();

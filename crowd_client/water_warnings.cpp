@@ -33,7 +33,7 @@ std::string in_digits(double value, int digits) {
     return text.str();
 }
 
-// Rules allow 2 % more than they ask for, so that remedies of three digits keep them.
+// Rounds to three digits. The rules allow 2 % more than they ask for, so that a rounded remedy satisfies them.
 double with_three_digits(double value) {
     const double unit = std::pow(10, std::floor(std::log10(value)) - 2);
     return std::round(value / unit) * unit;
@@ -68,8 +68,8 @@ double fastest_velocity(const Scene& scene) {
     return fastest;
 }
 
-// The Courant number of the longest step: that of /fluid/cfl, or of a whole frame where frames are shorter; 0 for models whose
-// outcomes were not found to depend on it.
+// Returns the Courant number of the longest step: /fluid/cfl, or that of a whole frame if frames are shorter. Returns 0
+// for models without a known effect of it on outcomes.
 double courant_number(const Scene& scene) {
     if (!is_one_of(scene.fluid->model, {ModelKind::dfsph, ModelKind::mixed})) return 0;
     const double fastest = fastest_velocity(scene) + std::sqrt(scene.world->gravity * depth_at_people(scene));
@@ -82,7 +82,8 @@ bool has_long_steps(const Scene& scene) {
 
 const std::string other_model = "/fluid/model shallow_water";
 
-// What to set for a spacing: the particles that fill the scene, and the time step that is too long for them.
+// Returns the keys that remedy a wide spacing: the spacing, max_particles if too small for the scene, and cfl if steps
+// get too long. Returns the other model if no max_particles is enough.
 std::string remedy_of_spacing(Scene scene, double spacing) {
     constexpr int most_particles = 100000000;  // of the key
     const int room = scene.fluid->max_particles;
@@ -96,8 +97,8 @@ std::string remedy_of_spacing(Scene scene, double spacing) {
     return remedy;
 }
 
-// Particles that a solver keeps apart: depths fluctuate by 5 % with 4 layers and by 11 % with 2, and with them what people
-// sample (`tools/wade converge river_075`).
+// Warns of few layers of solver particles: depths, and the flow sampled by agents, fluctuate by 5 % with 4 layers and
+// by 11 % with 2 (`tools/wade converge river_075`).
 std::string warning_of_layers(const Scene& scene, ModelChoice choice) {
     const double spacing = scene.fluid->particle_spacing, depth = depth_at_people(scene);
     if (depth > 0.98 * least_layers * spacing) return "";
@@ -148,7 +149,7 @@ std::string warning_of_arrangement(const Scene& scene, ModelChoice choice) {
            ".";
 }
 
-// The shorter side of the rectangle with the area and the perimeter of a ground plan, m.
+// Returns the shorter side of the rectangle with the area and the perimeter of a ground plan, m.
 double width_of(const House& house) {
     const MapLine& ring = house.polygon.rings[0];
     double twice_area = 0, perimeter = 0;
@@ -167,7 +168,7 @@ double median_of(std::vector<double> values) {
     return *middle;
 }
 
-// The distance of each house to the nearest one that it does not touch, m; `most` where none is nearer.
+// Returns the distance of each house to the nearest one that it does not touch, m; `most` if none is nearer.
 std::vector<double> gaps_between_houses(const Scene& scene, double most) {
     constexpr double touching = 0.01;  // m
     const PlacedHouses houses = houses_of(scene);
@@ -196,10 +197,11 @@ std::vector<double> gaps_between_houses(const Scene& scene, double most) {
     return gaps;
 }
 
-// Cells across the houses of a site, and so across streets of that width, and across the gaps between houses: at least 3, the
-// fewest that a flood model with parts of cells asks for across a flow path (TUFLOW HPC with sub-grid sampling 3 to 4, its manual
-// of 2025, table 3.1). Of 3 to 4, 3 leaves the 2 m of the village without a warning; they were found equal to 1 m. In Merewether
-// 0.89 m, 3 across the gap, were found equal to 0.5 m, and 1 m different (`tools/wade converge village street`).
+// Warns of fewer than 3 cells across the houses of a site, and so across streets of that width, or across the gaps
+// between houses. 3 is the fewest that a flood model with partial cells asks for across a flow path (TUFLOW HPC with
+// sub-grid sampling 3 to 4, its manual of 2025, table 3.1). 3 gives no warning for cells of 2 m in the village, which
+// were found equal to 1 m. In Merewether 0.89 m, 3 across the gap, were found equal to 0.5 m, and 1 m different
+// (`tools/wade converge village street`).
 std::string warning_of_cells(const Scene& scene) {
     constexpr double least = 3;
     const bool has_cells = is_one_of(scene.fluid->model, {ModelKind::shallow_water, ModelKind::mixed});

@@ -1,4 +1,4 @@
-// What people with bodies decide, and what they remember for it.
+// Decisions of agents with bodies, and the memories that these decisions use.
 
 #include "crowd_client/bodies/bodies.hpp"
 
@@ -20,12 +20,12 @@ constexpr double contested_time = 0.4;    // s, of kappa
 constexpr double followed_time = 1.0;     // s, of lambda
 constexpr double opposed_time = 0.5;      // s, of o
 constexpr double pressed_time = 1.0;      // s, of c
-constexpr double look_followed = 0.4;     // s, between two looks
-constexpr double look_opposed = 0.5;      // s, between two looks
-constexpr double trapped_patience = 5;    // s; before somebody tries the other side
+constexpr double look_followed = 0.4;     // s, between two updates of lambda
+constexpr double look_opposed = 0.5;      // s, between two updates of o
+constexpr double trapped_patience = 5;    // s; before an agent tries the other side
 constexpr double keep_right_from = 0.05;  // o
 
-// Moves a memory towards what it is now, over `memory` s.
+// Moves a running mean towards the current value, over `memory` s.
 void note(double& value, double now, double time, double memory) {
     value += std::min(1.0, time / memory) * (now - value);
 }
@@ -35,8 +35,8 @@ double covered_ground(double radius) {
     return std::numbers::pi * turned_share * radius * turned_share * radius;
 }
 
-// Clockwise as seen with x to the right and z up. |angle| <= 1.5 rad: the first terms of the cosine and the sine, to 1e-7,
-// as their bits are the same everywhere.
+// Returns v turned clockwise, seen with x to the right and z up. |angle| <= 1.5 rad. It uses the first terms of cosine
+// and sine, to 1e-7, as their bits are the same on all machines.
 inline Vector2d turned_right(const Vector2d& v, double angle) {
     const double q = angle * angle;
     const double c =
@@ -52,13 +52,13 @@ Vector2d shortened(const Vector2d& v, double longest) {
     return length > longest ? Vector2d(v * (longest / length)) : v;
 }
 
-// Sites in the world, or a little outside where R leaves room for it.
+// Clamps a site to the world, widened by `room`, the margin that R leaves.
 Vector2d kept_near(const World& world, const Vector2d& q, double room) {
     const double x = world.period() > 0 ? q.x() : std::clamp(q.x(), -room, world.length + room);
     return {x, std::clamp(q.y(), -room, world.width + room)};
 }
 
-// How an agent got on since the last decision: v, c, s, b and the side of a detour.
+// Updates v, c, s, b and the side of a detour from the agent's motion since the last decision.
 void note_progress(const BodyStyle& style, BodyMemory& body, std::uint32_t id, double desired_speed, double time) {
     const Vector2d went = body.went[id], wished = body.wished[id];
     body.went[id] = body.wished[id] = Vector2d::Zero();
@@ -79,11 +79,11 @@ void note_progress(const BodyStyle& style, BodyMemory& body, std::uint32_t id, d
     body.trapped_time[id] = changes ? 0.0 : trapped;
 }
 
-// Whether an agent that has stood too long steps back in this second.
+// Returns true if an agent that has stood too long steps back in this second.
 bool yields(const Bodies& bodies, const BodyMemory& body, std::uint32_t id, const Decision& decision) {
     constexpr double patience = 2, chance = 0.3, nobody_opposed = 0.1;
     if (body.stood[id] <= patience || body.opposed[id] >= nobody_opposed) return false;
-    constexpr std::uint64_t stream = std::uint64_t{1} << 42;  // apart from those of markers and agents
+    constexpr std::uint64_t stream = std::uint64_t{1} << 42;  // apart from the streams of markers and agents
     const double offset = unit_fraction(mix_bits(body.draw[id]));
     const auto second = static_cast<std::uint64_t>(static_cast<double>(decision.number) * decision.time + offset);
     return counter_uniform(bodies.seed, stream + body.draw[id], second) < chance;

@@ -34,7 +34,7 @@ void sort_people(BodyCells& cells, const World& world, std::span<const Vector2d>
         cells.cell[i] = static_cast<std::uint32_t>(cell);
         ++cells.start[cell + 1];
     }
-    // start[c + 1] is the next free place of cell c while people are dealt out, and its end when all are.
+    // start[c + 1] is the next free entry of cell c while people are sorted in, and the end of the cell afterwards.
     std::uint32_t before = 0;
     for (std::size_t c = 0; c < count; ++c) {
         const std::uint32_t in_cell = cells.start[c + 1];

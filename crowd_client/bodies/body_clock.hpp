@@ -1,15 +1,16 @@
 #pragma once
-// When people with bodies decide and move: about as often at any rate of steps. With the response `measured` people without
-// bodies move in parts of a step, too, and all others do in steps above 0.5 s.
+// Decision and motion times of agents with bodies: about as often at any time step. With the response `measured`,
+// agents without bodies also move in parts of a step. All other agents do so in steps above 0.5 s.
 //
-// They decide every 0.1 s, or a little more often. A step of the crowd that is longer has parts, in each of which they
-// decide and walk through the same water; of shorter ones some pass between two decisions. A motion takes at most 0.06 s.
-// A step of up to 0.118 s is not divided: with 8.5 steps a second there are as many decisions, the fewest, and two motions in
-// each.
+// Agents decide every 0.1 s, or a little more often. A longer step of the crowd is divided into parts; each part is one
+// decision and walk through the same water. With shorter steps, several pass between two decisions. A motion takes at
+// most 0.06 s. A step of up to 0.118 s is not divided. So decisions are rarest at 8.5 steps a second: one a step, with
+// two motions each.
 //
-// Decisions every 0.067 s serve people better by 3 % (goals that they reach in a crossing crowd) and cost 1.4 times as much,
-// every 0.118 s worse by 2 % at 0.87 times the cost. A crowd gets through a door in 0.96, 1 and 1.03 times the time that it
-// takes at 30 steps a second; every 0.125 s it was 1.04 (`fast`) and 1.06 (`human`), above the 5 % that rates may differ.
+// With decisions every 0.067 s a crossing crowd reaches 3 % more goals at 1.4 times the cost, with decisions every
+// 0.118 s 2 % fewer at 0.87 times the cost. A crowd gets through a door in 0.96, 1 and 1.03 times the time that it
+// takes at 30 steps a second. With decisions every 0.125 s it was 1.04 (`fast`) and 1.06 (`human`), above the tolerance
+// of 5 % between step rates.
 
 #include <algorithm>
 #include <cmath>
@@ -27,9 +28,9 @@ struct Decision {
     std::uint64_t number = 0;  // from 0
     double time = 0.1;         // T to the next, s
 
-    // Whether it is one of those that are about `every` s apart.
+    // Returns true for decisions that are about `every` s apart.
     [[nodiscard]] bool is_due(double every) const { return number % between(every) == 0; }
-    // How long those are apart, s.
+    // Returns the exact time between two such decisions, s.
     [[nodiscard]] double interval(double every) const { return static_cast<double>(between(every)) * time; }
 
  private:
@@ -41,7 +42,8 @@ struct Decision {
 inline constexpr double longest_decision = 0.1;  // s
 inline constexpr double longest_whole = 0.118;   // s, of a step that has one part
 inline constexpr double longest_motion = 0.06;   // s
-// Without bodies and with the response `paper`: at 1.3 m/s 0.65 m a step, within the radius of 1 m in which people perceive markers.
+// Without bodies and with the response `paper`: at 1.3 m/s 0.65 m a step, within the perception radius of 1 m for
+// markers.
 inline constexpr double longest_of_points = 0.5;  // s
 inline constexpr double rounding = 1e-6;          // of counts, so that 0.1 s at 30 Hz are 3 steps
 
@@ -54,7 +56,7 @@ inline constexpr double rounding = 1e-6;          // of counts, so that 0.1 s at
     return clock;
 }
 
-// Motions in a time, s.
+// Returns the number of motions in a time, s.
 [[nodiscard]] inline int motions_in(double time) {
     return std::max(1, static_cast<int>(std::ceil(time / longest_motion - rounding)));
 }

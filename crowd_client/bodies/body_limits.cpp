@@ -1,4 +1,4 @@
-// How far bodies may move: limits u.n <= g, and the step that they leave of a wish.
+// Limits u.n <= g on the motion of bodies, and the step that they leave of a wish.
 
 #include <omp.h>
 
@@ -18,16 +18,16 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double half_life = 0.05;                     // of the gap that one closes to another, s
+constexpr double half_life = 0.05;                     // of the gap to a neighbour, s
 constexpr double shrink_rate = 0.3, grow_rate = 0.15;  // m/s, of a radius
 
-// Of an image in a periodic world against its person, along x, m.
+// Returns the shift of a periodic image from its person, along x, m.
 double shift_of(const Bodies& bodies, std::uint32_t entry, double period) {
     const double moved = bodies.cells.x[entry] - bodies.place[bodies.cells.person[entry]].x();
     return period * std::round(moved / period);
 }
 
-// Which of a block of entries are less than `reach` from p, but not there, a bit for each.
+// Returns a bit per entry of a block: set if the entry is less than `reach` from p, but not at p.
 inline std::uint32_t near_in_block(const double* x, const double* z, const Vector2d& p, double reach) {
     using L = Lanes<double>;
     static_assert(BodyCells::lanes == 2 * L::count);
@@ -40,8 +40,8 @@ inline std::uint32_t near_in_block(const double* x, const double* z, const Vecto
     return near(0) | near(L::count) << L::count;
 }
 
-// Adds those less than `reach` from place k. Most blocks have few: these are taken without asking whether there are any, as the
-// branch would be foretold badly.
+// Adds the entries less than `reach` from agent k. Most blocks have few: the first three are taken without a branch, as
+// it would be predicted badly.
 void add_near(NearPairs& pairs, const Bodies& bodies, std::size_t k, double reach, double period) {
     const Vector2d p = bodies.place[k];
     const BodyCells& cells = bodies.cells;
@@ -68,9 +68,9 @@ void add_near(NearPairs& pairs, const Bodies& bodies, std::size_t k, double reac
     });
 }
 
-// Sets the limits of one motion, and what they leave whom: the least gap, and whether a limit may shorten the wish.
+// Sets the limits of one motion. Per agent, sets the smallest gap and whether a limit may shorten the wish.
 void set_limits(NearPairs& pairs, Bodies& bodies, double share) {
-    constexpr double least_square = 1e-30;  // m2; so that nothing is divided by 0
+    constexpr double least_square = 1e-30;  // m2; avoids a division by 0
     const Vector2d *const place = bodies.place.data(), *const wish = bodies.wish.data();
     const double *const radius = bodies.radius_now.data(), *const growth = bodies.growth.data();
     const double* const shift = pairs.shift.data();
@@ -96,7 +96,7 @@ void add_obstacles(std::vector<Limit>& limits, const Walls& walls, const Vector2
     });
 }
 
-// The centre stays between the ends along x and the edges along z. Those further away than `step` do not matter.
+// Keeps the centre between the ends along x and the edges along z. Skips bounds that are further away than `step`.
 void add_edges(std::vector<Limit>& limits, const World& world, const Vector2d& p, const Interval& ends, double step) {
     const auto add = [&](double nx, double nz, double gap) {
         if (gap < step + body_slack) limits.push_back({nx, nz, std::max(0.0, gap)});
@@ -107,7 +107,7 @@ void add_edges(std::vector<Limit>& limits, const World& world, const Vector2d& p
     add(0, 1, world.width - p.y());
 }
 
-// Slides a wish along the limit that it breaks most, twice, then shortens it.
+// Slides a wish along the limit that it breaks most, twice, then shortens it until it keeps all limits.
 Vector2d within(const std::vector<Limit>& limits, Vector2d u) {
     for (int turn = 0; turn < 2; ++turn) {
         const Limit* worst = nullptr;
@@ -129,7 +129,7 @@ Vector2d within(const std::vector<Limit>& limits, Vector2d u) {
     return scale * u;
 }
 
-// The radius that turned shoulders would leave an agent.
+// Returns the radius that an agent would have after its desired turn of the shoulders.
 double wished_radius(const Bodies& bodies, const BodyMemory& body, std::uint32_t id) {
     const double facing = std::min(1.0, 3 * body.opposed[id]);
     const double low = 0.4 * (1 - facing), high = 1 - 0.3 * facing;
@@ -137,14 +137,14 @@ double wished_radius(const Bodies& bodies, const BodyMemory& body, std::uint32_t
     return bodies.radius * (1 - (1 - turned_share) * turned);
 }
 
-// What the motions of a step have for all.
+// Values that the motions of a step share for all agents.
 struct Motions {
     int count;
     double time;     // h, s
     double share;    // sigma
-    double longest;  // of all wishes and growths in one of them, m
+    double longest;  // largest wish plus growth in one motion, m
 
-    // How far away somebody matters in one of them, m.
+    // Returns the distance within which another agent can limit one motion, m.
     [[nodiscard]] double reach(double radius) const { return 2 * radius + body_slack + longest / share; }
 };
 
@@ -157,7 +157,7 @@ Motions motions_of(double dt, std::span<const Vector2d> wishes) {
             std::sqrt(longest) / count + grow_rate * time};
 }
 
-// What place k wishes in a motion: its way, and its radius, which shrinks at once.
+// Sets the growth of agent k in a motion, and its radius, which shrinks at once.
 void wish_motion(Bodies& bodies, const BodyMemory& body, std::uint32_t id, std::size_t k, const Motions& motions) {
     const double r = body.radius[id], wished = bodies.radius_wished[k];
     const double now = std::min(r, std::max(wished, r - shrink_rate * motions.time));
@@ -167,7 +167,7 @@ void wish_motion(Bodies& bodies, const BodyMemory& body, std::uint32_t id, std::
     bodies.is_bound[k] = 0;
 }
 
-// Moves place k, into next_place. own: its limits towards neighbours. Most people have room for all that they wish.
+// Moves agent k, into next_place. own: its limits towards neighbours. Most agents have room for their whole wish.
 void move_one(Bodies& bodies, BodyMemory& body, std::uint32_t id, std::size_t k, const Walls& walls,
               const Interval& ends, const Motions& motions, std::span<const Limit> own, std::vector<Limit>& limits) {
     const Vector2d& p = bodies.place[k];
@@ -191,8 +191,8 @@ void move_one(Bodies& bodies, BodyMemory& body, std::uint32_t id, std::size_t k,
 
 }  // namespace
 
-// People are looked for once: nobody comes nearer by more than two motions in each. Places are not brought back into a
-// periodic world meanwhile.
+// The neighbour search runs once a step: a pair comes closer by at most twice the longest motion in each motion.
+// Positions are not wrapped into a periodic world during the step.
 void limit_steps(Bodies& bodies, Agents& agents, std::span<const std::uint32_t> active, const Walls& walls,
                  std::span<const Vector2d> positions, std::span<const Vector2d> wishes, std::span<const Interval> ends,
                  double dt, int threads) {
@@ -229,7 +229,7 @@ void limit_steps(Bodies& bodies, Agents& agents, std::span<const std::uint32_t> 
         for (int motion = 0; motion < motions.count; ++motion) {
 #pragma omp for schedule(static)
             for (std::size_t k = 0; k < n; ++k) wish_motion(bodies, body, active[k], k, motions);
-            set_limits(pairs, bodies, motions.share);  // of this thread's people, in the loop that follows
+            set_limits(pairs, bodies, motions.share);  // for the agents of this thread in the next loop
             std::size_t from = 0;
 #pragma omp for schedule(static)
             for (std::size_t k = 0; k < n; ++k) {

@@ -10,12 +10,12 @@ namespace {
 
 constexpr std::uint32_t lanes = BodyCells::lanes;
 
-// Sums are of whole numbers, so that they do not depend on the order in which people are stored. Each addend is less than
-// 2^21: they hold a thousand people, more than fit in.
+// Sums use integers, so that they do not depend on the storage order of people. Each addend is less than 2^21: a sum
+// holds a thousand people, more than fit within reach.
 constexpr float per_unit = 0x1p20F;
 
-// Calls add(i, dx, dz, in_run) for all entries of the runs that hold a box round p, `lanes` at once: the compiler makes one
-// loop of it without branches. Those of a last block that are not of the run have in_run = false.
+// Calls add(first, end) for each block of `lanes` entries of the runs that hold a box round p; the run ends at `end`.
+// A caller skips entries of the last block beyond it. The compiler turns a block into one loop without branches.
 template <typename Add>
 inline void add_box(const BodyCells& cells, const Vector2d& p, const Interval& along_x, const Interval& along_z,
                     Add&& add) {
@@ -58,7 +58,7 @@ double share_followed(const Looks& looks, const BodyCells& cells, const Vector2d
 #pragma omp simd reduction(+ : sum, all)
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(lanes); ++i) {
             const auto dx = static_cast<float>(xs[i] - p.x()), dz = static_cast<float>(zs[i] - p.y());
-            const float square = dx * dx + dz * dz;  // 0 is oneself
+            const float square = dx * dx + dz * dz;  // 0: the agent itself
             const float cosine = own_x * hx[i] + own_z * hz[i];
             const bool counts = (i < count) & (square > 0) & (square < reach * reach) & (cosine >= faces);
             sum += counts ? static_cast<std::int32_t>(cosine * per_unit) : 0;
@@ -71,7 +71,7 @@ double share_followed(const Looks& looks, const BodyCells& cells, const Vector2d
 double share_opposed(const Looks& looks, const BodyCells& cells, const Vector2d& p, const Vector2d& way,
                      const Vector2d& bearing) {
     constexpr double reach = 2.5, half = 1.0, spread = 0.25;
-    // A box round the strip. It may reach further aside than images do; those are further than anybody looks.
+    // The bounding box of the strip, cut at furthest_look, the reach of periodic images.
     constexpr double wide = half + spread * reach;
     const auto side = [&](double along, double across) -> Interval {
         return {std::max(-furthest_look, std::min(0.0, reach * along) - wide * std::abs(across)),
@@ -88,7 +88,7 @@ double share_opposed(const Looks& looks, const BodyCells& cells, const Vector2d&
 #pragma omp simd reduction(+ : opposed, all)
         for (std::int32_t i = 0; i < static_cast<std::int32_t>(lanes); ++i) {
             const auto dx = static_cast<float>(xs[i] - p.x()), dz = static_cast<float>(zs[i] - p.y());
-            const float ahead = dx * ex + dz * ez;  // 0 is oneself
+            const float ahead = dx * ex + dz * ez;  // 0: the agent itself
             const float across = dx * ez - dz * ex;
             const float broad = static_cast<float>(half) + static_cast<float>(spread) * ahead;
             const bool counts = (i < count) & (ahead > 0) & (ahead <= static_cast<float>(reach)) & (across <= broad) &

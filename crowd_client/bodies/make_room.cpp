@@ -1,4 +1,4 @@
-// Where people with bodies stand before their first step.
+// Overlap removal: start positions of agents with bodies before their first step.
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,8 @@
 namespace wade::crowd {
 namespace {
 
-// Returns what moves body k out of the others and out of obstacles; calls meet(j) for each body that it is too close to and
-// counts such obstacles.
+// Returns the displacement that moves body k out of other bodies and obstacles. Calls meet(j) for each body that is too
+// close, and counts obstacles that are too close.
 template <typename Meet>
 Vector2d push_of(const BodyCells& cells, const Walls& walls, const std::vector<Vector2d>& places, std::size_t k,
                  double radius, std::size_t& walls_met, const Meet& meet) {
@@ -26,7 +26,7 @@ Vector2d push_of(const BodyCells& cells, const Walls& walls, const std::vector<V
         if (j == k || square >= apart * apart) return;
         meet(j);
         const double d = std::sqrt(square);
-        // Who stands in one place is parted along x, by number.
+        // Bodies at the same position part along x, by index.
         const Vector2d n = d > 1e-9 ? Vector2d(dx / d, dz / d) : Vector2d(k < j ? 1 : -1, 0);
         push -= (0.5 * (apart - d) + body_slack) * n;
     });
@@ -48,14 +48,15 @@ Vector2d put_in_world(Vector2d p, const World& world) {
     return p;
 }
 
-// Bodies that may overlap: all at first, then those of the turn before and the neighbours that they meet.
+// Bodies that may overlap: all at first, then the bodies that overlapped in the turn before and the neighbours they
+// meet.
 class Crowded {
  public:
     explicit Crowded(std::size_t count) : listed_(count, true), list_(count) {
         std::iota(list_.begin(), list_.end(), 0U);
     }
 
-    // The list grows by add() while it is worked through.
+    // The list may grow by add() during the loop over it.
     [[nodiscard]] const std::vector<std::uint32_t>& list() const { return list_; }
     void add(std::uint32_t k) {
         if (listed_[k]) return;
@@ -77,7 +78,8 @@ class Crowded {
 
 void make_room_for_bodies(Agents& agents, const Walls& walls, double radius) {
     constexpr int most_turns = 5000;
-    // Bodies visited plus a tenth of the bodies sorted [A]: about 4 s, and all turns for up to 3,600 people without room.
+    // Limit on bodies visited plus a tenth of the bodies sorted [A]: about 4 s. Up to 3,600 people without room get all
+    // turns.
     constexpr std::size_t most_work = 20'000'000;
     const std::size_t count = agents.size();
     BodyCells cells;

@@ -1,5 +1,5 @@
 #pragma once
-// The nearest places of the obstacles and houses round a place.
+// Nearest points of obstacles and houses round a position.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,8 @@ inline Vector2d nearest_in(const Obstacle& box, const Vector2d& p) {
     return {std::clamp(p.x(), box.x.lo, box.x.hi), std::clamp(p.y(), box.z.lo, box.z.hi)};
 }
 
-// Calls visit(way, d) for each obstacle, and each side of a house, less than `reach` away: the way to its nearest place, d long, m; d > 0.
+// Calls visit(way, d) for each obstacle, and each side of a house, less than `reach` away: the vector to its nearest
+// point and its length d, m; d > 0.
 template <typename Visit>
 void for_each_within(const Walls& walls, const Vector2d& p, double reach, Visit&& visit) {
     const Interval x{p.x() - reach, p.x() + reach}, z{p.y() - reach, p.y() + reach};
@@ -25,7 +26,7 @@ void for_each_within(const Walls& walls, const Vector2d& p, double reach, Visit&
     });
     for_each_side_near(walls.houses, x, z, [&](const HouseSide& side) {
         const double s = side.nearest(p);
-        // Beyond a corner that juts out the next side is nearer, and what keeps off it keeps off this one.
+        // Beyond a convex corner the next side is nearer, and a body clear of it is clear of this side, too.
         const HouseSide* const next = s <= 0 && side.juts_before            ? &walls.houses.sides[side.before]
                                       : s >= side.length && side.juts_after ? &walls.houses.sides[side.after]
                                                                             : nullptr;

@@ -1,10 +1,10 @@
 #pragma once
-// How find_motion() goes over the ground: the rows of cells of one thread's band, one after the other.
+// Traversal of the ground in find_motion(): the rows of cells of one thread's band, one after the other.
 //
-//   row of cells r + 1    claim ---.          Rows are taken one by one. A row's markers are claimed and dealt out to
-//   row of cells r        claim ---+-> walk   their owners; then those walkers whose rows are all dealt sum up Eq. 1-3.
-//   row of cells r - 1    (done)              Each thread has a band of walkers' rows and claims what these need, so
-//                                             that nobody writes what another one reads, for any number of threads.
+//   row of cells r + 1    claim ---.          Rows are processed one by one. The markers of a row are claimed and dealt
+//   row of cells r        claim ---+-> walk   to their owners. Then walkers with all rows dealt sum up Eq. 1-3. Each
+//   row of cells r - 1    (done)              thread has a band of walkers' rows and claims the markers for these, so
+//                                             that no thread writes what another reads, for any number of threads.
 
 #include <algorithm>
 #include <cstdint>
@@ -16,13 +16,13 @@
 
 namespace wade::crowd {
 
-// What a step asks of the markers.
+// Input for claiming the markers in a step.
 struct Claiming {
     const WalkerCells& cells;
-    const WalkerBodies* bodies;  // null: walkers without
+    const WalkerBodies* bodies;  // null: walkers without bodies
     const Markers& markers;
     const Walkers& walkers;
-    double radius;  // within which a walker claims, m
+    double radius;  // claim distance of a walker, m
     Motion& motion;
 };
 
@@ -41,7 +41,7 @@ struct RowEntries {
     return {cells.start[from], cells.start[from + static_cast<std::size_t>(cells.grid.columns)]};
 }
 
-// Whether no walker reaches a cell.
+// Returns whether no walker reaches a cell.
 [[nodiscard]] inline bool nobody_reaches(const WalkerCells& cells, int column, int row) {
     const int first_column = std::max(column - cells.span + 1, 0);
     for (int r = std::max(row - cells.span + 1, 0); r <= row; ++r) {
@@ -65,7 +65,7 @@ void walk_band(Owners& owners, const Claiming& claiming, const RowBand& band) {
         owners.begin_row(claiming, band, row);
         if (entries_of(cells, std::max(row - cells.span + 1, 0)).first == entries_of(cells, row).last) return;
         constexpr int none = -1;
-        int reached = none;  // the last column that is; its cell is dealt once the next one is on its way from memory
+        int reached = none;  // the last reached column; its cell is dealt once the next one is on its way from memory
         for (int column = 0; column < cells.grid.columns; ++column) {
             if (nobody_reaches(cells, column, row)) continue;
             owners.expect_cell(claiming, column, row);

@@ -1,5 +1,5 @@
 #pragma once
-// BioCrowds: agents compete for the markers of the ground and walk towards the mean of those they own.
+// BioCrowds: agents compete for the markers of the ground and walk towards the mean of their own markers.
 
 #include <memory>
 
@@ -25,9 +25,10 @@ class MarkerMemory {
 };
 
 // Gives each marker to the nearest walker within `perception_radius`, ties to the one that comes first in the list, and
-// sums up Eq. 1-3 over the markers that each one owns.
-// Fixed markers are summed in double precision, cell by cell; drawn ones in single precision.
-// period: World::period(); where it is above 0, walkers see the markers beyond the joint. Needs markers placed for it.
+// sums up Eq. 1-3 over the markers of each walker. Fixed markers are summed in double precision, cell by cell; drawn
+// ones in single precision.
+// period: World::period(); if above 0, walkers perceive the markers beyond the periodic boundary. Needs markers placed
+// for it.
 void find_motion(Motion& motion, MarkerMemory& memory, const Markers& markers, const Walkers& walkers,
                  double perception_radius, double period = 0, int threads = 1);
 

@@ -8,8 +8,8 @@
 namespace wade::crowd {
 namespace {
 
-// The owner of one marker where two walkers are equally near: the first in the walkers' list. In the same arithmetic as
-// the lanes.
+// Returns the owner of one marker at equal distance to two walkers: the first in the walkers' list. Uses the same
+// arithmetic as the lanes.
 template <typename Real>
 std::size_t nearest_by_order(const Candidates<Real>& candidates, const std::vector<std::uint32_t>& walkers, Real x,
                              Real z, Real limit) {
@@ -40,7 +40,7 @@ void claim_by_order(Claims<Real>& claims, const MarkerLanes<Real>& markers, cons
     }
 }
 
-// Room for `count` candidates in tables, 0 for nobody.
+// Makes room for `count` candidates in tables, with 0 at index 0.
 template <typename Real>
 void begin_tables(std::initializer_list<std::vector<Real>*> tables, std::size_t count) {
     for (std::vector<Real>* table : tables) {
@@ -62,7 +62,7 @@ void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, con
     begin_tables({&c.site_x, &c.site_z}, c.count);
     if (c.with_bodies) begin_tables({&c.body_x, &c.body_z, &c.vx, &c.vz, &c.slowness}, c.count);
     for_each_run(cells, column, row, [&](int, std::uint32_t first, std::uint32_t last, std::size_t before) {
-        // All tables in one loop: a loop for each would end at a branch that is foretold badly.
+        // One loop fills all tables: a loop for each would end at a branch that is hard to predict.
         for (std::size_t from = first, to = 1 + before; from < last; from += 4, to += 4) {
             const auto copy = [&](std::vector<Real>& table, const std::vector<double>& entries, double origin) {
                 copy_four(table.data() + to, entries.data() + from, origin);
@@ -81,11 +81,11 @@ void find_candidates(Candidates<Real>& candidates, const WalkerCells& cells, con
 
 namespace {
 
-// Vectors of markers that loops over candidates take at once: as many as there are registers for. A short loop for each of
-// them would end as often, at a branch that is foretold badly.
+// Number of marker vectors that loops over candidates process at once: as many as there are registers for. A short loop
+// for each vector would end at a branch that is hard to predict.
 constexpr std::size_t vectors_at_once = register_bytes == 64 ? 4 : 1;
 
-// Calls at(m) for the vectors of markers from place m on: vectors_at_once of them, at last one by one.
+// Calls many(m) for each block of vectors_at_once vectors of markers from index m on, then one(m) for each vector left.
 template <typename Real, typename Many, typename One>
 void for_each_block(std::size_t markers, Many&& many, One&& one) {
     using L = Lanes<Real>;
@@ -139,8 +139,8 @@ void find_contested_block(std::size_t first, Claims<Real>& claims, const MarkerL
     const auto of_owner = [&](const std::vector<Real>& table, const Integers& owner) {
         return look_up(table, candidates.count, owner);
     };
-    std::array<Reals, vectors> x, z, time;  // until the owner is there, s
-    std::array<Integers, vectors> all;      // minus how many will be close, without the owner
+    std::array<Reals, vectors> x, z, time;  // until the owner is at the marker, s
+    std::array<Integers, vectors> all;      // minus the number of walkers that will be close, without the owner
     const auto close = [&](std::size_t v, const Reals& at_x, const Reals& at_z, const Reals& vx,
                            const Reals& vz) -> Integers {
         const Reals dx = x[v] - (at_x + vx * time[v]);

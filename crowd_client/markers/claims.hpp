@@ -1,5 +1,5 @@
 #pragma once
-// Who owns the markers of a cell: the walker whose site is nearest, within R; ties to the one that comes first.
+// Ownership of the markers of a cell: the walker with the nearest site, within R; ties to the one that comes first.
 
 #include <cstdint>
 #include <type_traits>
@@ -10,26 +10,26 @@
 
 namespace wade::crowd {
 
-// What a cell needs to know of the walkers beside their sites where markers can be contested; by entry of WalkerCells,
-// read by copy_four().
+// Data of walkers for a cell, beside their sites, if markers can be contested; by entry of WalkerCells, read by
+// copy_four().
 struct WalkerBodies {
-    std::vector<double> x, z;      // where they stand, m
+    std::vector<double> x, z;      // position of the body, m
     std::vector<double> vx, vz;    // displacement of the last step / dt, m/s
     std::vector<double> slowness;  // 1 / desired speed, s/m
     double contest_distance = 0;   // D, m
 };
 
-// The walkers that reach the cell at hand, in the order of for_each_run() from place 1 on; place 0 stands for nobody.
-// Coordinates as in MarkerLanes. Sites, places and slowness are tables for look_up(), 0 at place 0.
+// The walkers that reach the current cell, in the order of for_each_run() from index 1 on; index 0 means no walker.
+// Coordinates as in MarkerLanes. Sites, positions and slowness are tables for look_up(), 0 at index 0.
 template <typename Real>
 struct Candidates {
-    std::size_t count = 0;             // with nobody
+    std::size_t count = 0;             // with index 0
     std::vector<Real> site_x, site_z;  // m
 
     bool with_bodies = false;
     std::vector<Real> body_x, body_z, vx, vz, slowness;  // as WalkerBodies; only with bodies
 
-    // Where they stand, m.
+    // Positions of the walkers, m.
     [[nodiscard]] const std::vector<Real>& x() const { return with_bodies ? body_x : site_x; }
     [[nodiscard]] const std::vector<Real>& z() const { return with_bodies ? body_z : site_z; }
 };
@@ -38,13 +38,13 @@ struct Candidates {
 template <typename Real>
 struct Claims {
     using Integer = typename Lanes<Real>::Integer;
-    std::vector<Integer> owner;  // candidate, 0 = nobody
-    // Where bodies are given:
+    std::vector<Integer> owner;  // candidate, 0: no owner
+    // With bodies only:
     std::vector<Real> contested;               // 0 or 1
-    std::vector<Real> way_x, way_z, distance;  // from the owner, as of way_to(), m
+    std::vector<Real> way_x, way_z, distance;  // from the owner, of way_to(), m
 };
 
-// From a walker to a marker, m. The length is above 0.
+// Offset from a walker to a marker, m. The length is above 0.
 template <typename Real>
 struct Way {
     typename Lanes<Real>::Reals x, z, length;

@@ -73,7 +73,7 @@ void DrawnOwners::deal_cell(const Claiming& claiming, const RowBand& band, int c
     }
 }
 
-// Rows of other bands belong to other threads: what is weighed for them here is added to nobody.
+// Rows of other bands belong to other threads: their weights are added to nobody_.
 void DrawnOwners::look_up_owners(const Claiming& claiming, const RowBand& band, int column, int row) {
     const bool with_bodies = claiming.bodies != nullptr;
     for (std::vector<float>* table : {&goal_x_, &goal_z_, &discount_}) {
@@ -128,12 +128,12 @@ void DrawnOwners::weigh(bool with_bodies) {
     }
 }
 
-// A marker is added in the lane that it was weighed in.
+// Adds each marker in the lane of its weight.
 template <bool with_bodies>
 void DrawnOwners::add_to_owners() {
     const std::int32_t* const owners = claims_.owner.data();
     OwnerSums* const* const sums_of = sums_of_.data();
-    for (std::size_t m = 0; m < markers_.count; m += 4) {  // up to three beyond the last are nobody's
+    for (std::size_t m = 0; m < markers_.count; m += 4) {  // up to three beyond the last have no owner
         const auto weight = load_four(&weight_[m]), x = load_four(&x_[m]), z = load_four(&z_[m]);
         MarkerShare counted = {1, 1, 1, 1};
         if constexpr (with_bodies) counted += contested_unit * load_four(&claims_.contested[m]);

@@ -1,6 +1,6 @@
 #pragma once
-// Drawn markers and their owners, in single precision: each cell weighs all of its markers at once, whoever owns them, and
-// adds them to the sums of their owners.
+// Drawn markers and their owners, in single precision: each cell weighs all of its markers at once and adds them to the
+// sums of their owners.
 //
 // With Eq. 2 left to the end, m = sum f a / sum f, and one division a marker, g the direction of the goal:
 //
@@ -16,16 +16,16 @@
 
 namespace wade::crowd {
 
-// What a marker gives its owner: f, f a along x and z, and 1, with contested_unit more if it is contested.
+// Contribution of a marker to its owner: f, f a along x and z, and 1, with contested_unit more if it is contested.
 using MarkerShare [[gnu::vector_size(16)]] = float;
 
-// More than the markers that anybody owns: within 2 m, at most 1000 in 4 m2. The sums of both are whole numbers below 2^24.
+// More than the markers of any walker: within 2 m, at most 1000 in 4 m2. The sums of both are whole numbers below 2^24.
 constexpr float contested_unit = 4096;
 
-// What an entry owns, lane by lane.
+// Sums over the markers of an entry, lane by lane.
 using OwnerSums = std::array<MarkerShare, Lanes<float>::count>;
 
-// Of one thread.
+// State of one thread.
 class DrawnOwners {
  public:
     void begin_row(const Claiming& claiming, const RowBand& band, int row);
@@ -38,7 +38,7 @@ class DrawnOwners {
  private:
     using L = Lanes<float>;
 
-    // Of the entries of a row.
+    // Sums of the entries of a row.
     struct Row {
         std::uint32_t first = 0;
         std::vector<OwnerSums> sums;
@@ -62,7 +62,7 @@ class DrawnOwners {
     std::vector<OwnerSums*> sums_of_;                // by candidate
     std::vector<float> weight_, x_, z_;              // by marker: f and f a
     std::array<Row, 3> rows_;
-    OwnerSums nobody_{};  // what is dealt to nobody, and to walkers of other bands
+    OwnerSums nobody_{};  // sink for markers without an owner, and for walkers of other bands
 };
 
 }  // namespace wade::crowd

@@ -6,7 +6,7 @@
 namespace wade::crowd {
 
 void OwnedMarkers::make_room_for(std::size_t n, bool with_bodies) {
-    // What is there must stay, and a copy of whole vectors may read or write beyond the end.
+    // Entries in use must stay, and a copy of whole vectors may read or write beyond the end.
     const std::size_t places = count + n + 2 * Lanes<double>::count;
     if (x.size() >= places && (!with_bodies || contested.size() >= places)) return;
     for (std::vector<double>* v : {&x, &z, &contested}) v->resize(places + places / 2);
@@ -57,7 +57,7 @@ void FixedOwners::note_run(const Claiming& claiming, const RowBand& band, std::u
                                                     static_cast<std::uint16_t>(row)};
 }
 
-// Sorts the markers by owner, so that each one's stand side by side, in the order of the cell.
+// Groups the markers by owner, each group in the order of the cell.
 void FixedOwners::deal_markers(const Claiming& claiming, const RowBand& band, int column, int row) {
     OwnedMarkers& dealt = dealt_[static_cast<std::size_t>(row % claiming.cells.span)];
     dealt.make_room_for(markers_.count, claiming.bodies != nullptr);
@@ -69,7 +69,7 @@ void FixedOwners::deal_markers(const Claiming& claiming, const RowBand& band, in
     }
 }
 
-// For each owner by itself; a marker of somebody else's is overwritten by the next one.
+// Deals owner by owner; the next marker overwrites a marker of another owner.
 void FixedOwners::deal_to_few(OwnedMarkers& dealt, const Claiming& claiming, const RowBand& band, int column, int row) {
     const bool with_bodies = claiming.bodies != nullptr;
     list_owned();
@@ -96,7 +96,7 @@ void FixedOwners::deal_to_few(OwnedMarkers& dealt, const Claiming& claiming, con
     dealt.count = place;
 }
 
-// The two halves of a cell are counted and dealt side by side, as neighbours often have one owner and its counter would have
+// Counts and deals the two halves of a cell side by side: neighbours often have one owner, and its counter would have
 // to wait for itself.
 void FixedOwners::deal_to_many(OwnedMarkers& dealt, const Claiming& claiming, const RowBand& band, int column,
                                int row) {
@@ -127,7 +127,7 @@ void FixedOwners::deal_to_many(OwnedMarkers& dealt, const Claiming& claiming, co
         }
     });
     dealt.count = place;
-    // Nobody's markers, those of candidate 0, go behind the others, where the next cell writes over them.
+    // Markers without an owner (candidate 0) go behind the others, where the next cell overwrites them.
     first_place(0);
 
     const double* const owner_x = candidates_.x().data();
@@ -146,7 +146,7 @@ void FixedOwners::deal_to_many(OwnedMarkers& dealt, const Claiming& claiming, co
     if (n % 2 != 0) deal(n - 1, upper);
 }
 
-// Without branches: who walks alone owns few of the markers of a cell, and which ones is by chance.
+// Lists the owned markers without branches: a walker alone owns a random few of the markers of a cell.
 void FixedOwners::list_owned() {
     make_room(owned_.marker, markers_.count);
     make_room(owned_.owner, markers_.count);
@@ -163,7 +163,7 @@ void FixedOwners::list_owned() {
     owned_.count = count;
 }
 
-// What an entry owns in a row of cells.
+// Appends the markers of an entry in a row of cells.
 void FixedOwners::append_runs(const Claiming& claiming, std::uint32_t entry, int corner_row, int row) {
     const bool with_bodies = claiming.bodies != nullptr;
     const auto span = static_cast<std::size_t>(claiming.cells.span);

@@ -1,6 +1,6 @@
 #pragma once
-// Fixed markers and their owners, in double precision: each cell deals its markers out to their owners, who sum up
-// Eq. 1-3 in the order of the markers, as marker_preference, marker_weight and motion_vector have it, to the bit.
+// Fixed markers and their owners, in double precision: each cell deals its markers out to their owners. An owner sums
+// up Eq. 1-3 in the order of the markers, to the bit as marker_preference, marker_weight and motion_vector do.
 
 #include <array>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace wade::crowd {
 
-// Markers as their owners see them.
+// Markers relative to their owners.
 struct OwnedMarkers {
     std::vector<double> x, z;       // marker - walker, m
     std::vector<double> contested;  // 0 or 1; with bodies only
@@ -19,7 +19,7 @@ struct OwnedMarkers {
     void make_room_for(std::size_t n, bool with_bodies);
 };
 
-// Of one thread.
+// State of one thread.
 class FixedOwners {
  public:
     void begin_row(const Claiming& claiming, const RowBand& band, int row);
@@ -37,7 +37,7 @@ class FixedOwners {
         std::uint16_t row = 0;  // of the cell
     };
 
-    // The runs of the entries with corner cells in a row, `span` x `span` places an entry.
+    // The runs of the entries with corner cells in a row, `span` x `span` slots an entry.
     struct Runs {
         std::uint32_t first = 0;
         std::vector<Run> runs;
@@ -56,16 +56,16 @@ class FixedOwners {
     MarkerLanes<double> markers_;
     Candidates<double> candidates_;
     Claims<double> claims_;
-    // The markers of the cell at hand that somebody owns, and the candidates who do, in the order of the cell.
+    // The owned markers of the current cell and their candidates, in the order of the cell.
     struct Owned {
         std::vector<std::uint32_t> marker, owner;
         std::uint32_t count = 0;
     };
     Owned owned_;
-    std::vector<std::uint32_t> next_;    // by candidate: place of its next marker in the row
+    std::vector<std::uint32_t> next_;    // by candidate: index of its next marker in the row
     std::array<OwnedMarkers, 3> dealt_;  // of the last `span` rows
     std::array<Runs, 3> runs_;
-    OwnedMarkers own_;  // of the walker at hand
+    OwnedMarkers own_;  // of the current walker
     std::vector<double> preference_, weight_;
 };
 

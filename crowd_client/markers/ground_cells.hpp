@@ -1,6 +1,6 @@
 #pragma once
-// Cells that a part of the ground is divided into for what is written to files: of any size, and with no border. Those in
-// which the crowd looks for markers and water are of 2 x 2 m and reach beyond the world (ground_grid.hpp).
+// Cells of any size, without a border, that divide a part of the ground for output files. The crowd searches for
+// markers and water in cells of 2 x 2 m that reach beyond the world (ground_grid.hpp).
 
 #include <cmath>
 #include <cstddef>
@@ -14,7 +14,7 @@ struct GroundCells {
     std::size_t columns = 1, rows = 1;
 
     [[nodiscard]] std::size_t cells() const { return columns * rows; }
-    // The cell of a position, or cells() if it lies in none.
+    // Returns the cell of a position, or cells() if it lies in none.
     [[nodiscard]] std::size_t cell_of(double x, double z) const {
         const double c = std::floor((x - x0) / step_x), r = std::floor((z - z0) / step_z);
         const bool inside = c >= 0 && c < static_cast<double>(columns) && r >= 0 && r < static_cast<double>(rows);

@@ -115,7 +115,7 @@ struct Lanes {
     static constexpr std::size_t padded(std::size_t n) { return (n + count - 1) / count * count; }
 };
 
-// A table that look_up() reads has room for whole pairs of vectors.
+// Makes room in a table for look_up(), in whole pairs of vectors.
 template <typename Real>
 void make_table(std::vector<Real>& table, std::size_t size) {
     constexpr std::size_t unit = 2 * Lanes<Real>::count;
@@ -124,7 +124,7 @@ void make_table(std::vector<Real>& table, std::size_t size) {
 }
 
 #if defined(__AVX2__) && !defined(__AVX512F__)
-// table[index], from a table of 16 or 32 places: on the processors known to us faster than a gather.
+// Returns table[index] from a table of 16 or 32 entries: on the processors known to us faster than a gather.
 inline __m256 look_up_16(const float* table, __m256i index) {
     const __m256 low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table), index);
     const __m256 high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(table + 8), index);
@@ -139,7 +139,7 @@ inline __m256 gather(const float* table, __m256i index) {
 }
 #endif
 
-// table[index] lane by lane; 0 <= index < size.
+// Returns table[index] lane by lane; 0 <= index < size.
 template <typename Real>
 inline Vector<Real> look_up(const std::vector<Real>& table, std::size_t size,
                             const typename Vector<Real>::Mask& index) {
@@ -197,7 +197,7 @@ inline Vector<Real> square_root(const Vector<Real>& v) {
     return roots;
 }
 
-// Of the lanes of a mask, the first in the lowest bit.
+// Returns the lanes of a mask as bits, the first lane in the lowest bit.
 inline std::uint32_t bits_of(const Vector<std::int64_t>& mask) {
     std::uint32_t bits = 0;
     for (std::size_t k = 0; k < mask.parts; ++k) {
@@ -210,13 +210,13 @@ inline std::uint32_t bits_of(const Vector<std::int64_t>& mask) {
     return bits;
 }
 
-// Gives working memory at least n places; what was in it is lost or not.
+// Makes room for at least n elements in working memory; its content may be lost.
 template <typename T>
 void make_room(std::vector<T>& memory, std::size_t n) {
     if (memory.size() < n) memory.resize(n + n / 2);
 }
 
-// to[k] = from[k] - origin for four numbers. Who copies n of them by fours reads and writes up to three beyond.
+// to[k] = from[k] - origin for four numbers. A copy of n numbers by fours reads and writes up to three beyond.
 template <typename To, typename From>
 inline void copy_four(To* to, const From* from, From origin) {
     using FourFrom [[gnu::vector_size(4 * sizeof(From))]] = From;

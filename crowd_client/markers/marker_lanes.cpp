@@ -28,7 +28,7 @@ void drop_those_inside(MarkerLanes<float>& lanes, const Vector2d& moved, const O
     }
 }
 
-// Even-odd, a side of the plan after the other.
+// Drops the markers in a plan by the even-odd rule, one side of the plan after the other.
 void drop_those_in(MarkerLanes<float>& lanes, const Vector2d& moved, const MapPolygon& plan) {
     const double origin_x = lanes.origin_x + moved.x(), origin_z = lanes.origin_z + moved.y();
     const auto count = static_cast<std::uint32_t>(lanes.count);

@@ -10,8 +10,8 @@
 
 namespace wade::crowd {
 
-// Coordinates count from `origin`: for double 0, so that the arithmetic is that of the world's coordinates, for float the
-// cell's middle, so that they keep 0.1 um. Places from `count` on, up to a whole vector, lie out of reach.
+// Coordinates count from `origin`: for double 0, so that the arithmetic is that of the world's coordinates, for float
+// the cell's middle, so that they keep 0.1 um. Entries from `count` on, up to a whole vector, lie out of reach.
 template <typename Real>
 struct MarkerLanes {
     std::size_t count = 0;
@@ -20,10 +20,10 @@ struct MarkerLanes {
     std::vector<std::uint8_t> crossed;  // working memory
 };
 
-// Of fixed markers.
+// Reads fixed markers.
 void read_markers(MarkerLanes<double>& lanes, const Markers& markers, int column, int row);
 
-// Of markers that are drawn by a hash whenever they are needed; see DrawnMarkers. Where they are before they are moved.
+// Draws the markers of a cell by a hash; see DrawnMarkers. Their positions are those before the shift of the epoch.
 void draw_markers(MarkerLanes<float>& lanes, const DrawnMarkers& drawn, int column, int row);
 
 inline void markers_of(MarkerLanes<double>& lanes, const Markers& m, int column, int row) {

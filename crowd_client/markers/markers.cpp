@@ -15,10 +15,10 @@
 namespace wade::crowd {
 namespace {
 
-// A random sequence that fills the plane stops near 0.55 discs' area share, and slows down far below that.
+// A random sequence that fills the plane stops near an area fraction of discs of 0.55, and slows down far below that.
 constexpr int attempts_per_marker = 2000;
 
-// Markers of a cell, m. Places from `count` on, up to a whole vector, are far away.
+// Markers of a cell, m. Entries from `count` on, up to a whole vector, are far away.
 struct Points {
     std::vector<double> x, z;
     std::size_t count = 0;
@@ -38,7 +38,7 @@ struct Points {
     }
 };
 
-// All are looked at, as a loop without an early end becomes vector code.
+// Tests all points, because a loop without an early end becomes vector code.
 bool far_from_all(const Points& others, double x, double z, double min_distance) {
     const double limit = min_distance * min_distance;
     const std::size_t places = Lanes<double>::padded(others.count);
@@ -53,8 +53,8 @@ bool far_from_all(const Points& others, double x, double z, double min_distance)
     return close == 0;
 }
 
-// Which squares of a cell have markers, a bit each. They are a little wider than the minimum distance, so that a marker
-// with none in the 3 x 3 round it is far from all. Most are, and need no look at the others.
+// Bitmap of the squares of a cell that have markers. A square is a little wider than the minimum distance, so that a
+// marker with none in the 3 x 3 squares around it is far from all. Most are, and need no test of the others.
 class Squares {
  public:
     explicit Squares(double min_distance) {
@@ -159,7 +159,7 @@ DrawnMarkers drawn_markers(const Scene& scene, const GroundGrid& grid) {
 }  // namespace
 
 void redraw(DrawnMarkers& drawn, std::uint64_t epoch) {
-    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from those of the agents
+    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from the streams of the agents
     drawn.epoch = epoch;
     drawn.moved = drawn.play * Vector2d(counter_uniform(drawn.seed, stream, 2 * epoch),
                                         counter_uniform(drawn.seed, stream, 2 * epoch + 1));
@@ -186,11 +186,11 @@ Markers place_markers(const Scene& scene) {
     const double min_distance = crowd.marker_min_distance;
     const auto wanted = static_cast<std::size_t>(crowd.markers_per_cell);
 
-    // Columns that are seen twice in a periodic world: the last one stands before the first, the first behind the last.
+    // Columns that appear twice in a periodic world: the last one stands before the first, the first behind the last.
     const double period = scene.world->period();
     const int last_column = grid.columns - 3;
 
-    // Only the row below and the row at hand are needed to keep the distance across borders.
+    // Only the row below and the current row are needed to keep the distance across borders.
     std::array<std::vector<Points>, 2> placed;
     placed.fill(std::vector<Points>(static_cast<std::size_t>(grid.columns)));
     markers.cell_start.reserve(grid.cells() + 1);

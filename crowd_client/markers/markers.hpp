@@ -12,24 +12,26 @@
 
 namespace wade::crowd {
 
-// Markers without memory: cell, number and epoch give their places by a hash, so that they can be drawn anew at any time.
-// A cell has n x n sub-cells with one marker each, which keeps half the minimum distance from the borders of its own.
+// Markers that are not stored: a hash of cell, number and epoch gives their positions, so that they can be drawn again
+// at any time. A cell has n x n sub-cells with one marker each. It keeps half the minimum distance from the borders of
+// its sub-cell.
 //
-// So no marker ever stands in the stripes along these borders. Two points who meet head-on along x or z, with a stripe right
-// between them, would share their markers alike however a little one steps aside: in the mean nothing pushes either on, and
-// both stand for ever. Therefore the sub-cells of points are moved as a whole with each epoch, and ground is as likely to bear
-// a marker in one place as in another. Those of people with bodies stand still, as these pass one another by their rule.
+// So no marker ever stands in the stripes along these borders. Let two point agents meet head-on along x or z, with a
+// stripe exactly between them. They would share their markers equally even after a small side step: in the mean nothing
+// pushes either on, and both stand for ever. Therefore the sub-cells of point agents are shifted as a whole with each
+// epoch, and all ground is equally likely to bear a marker. The sub-cells of people with bodies stand still, because
+// bodies pass one another by their own rule.
 struct DrawnMarkers {
     GroundGrid grid;
     bool ring = false;                    // a periodic world; its first and last columns of cells have none
-    std::vector<float> first_x, first_z;  // least place of each marker from the cell's middle, m; none: fixed markers
-    float jitter = 0;                     // how far it may be from there, along x and along z, m
-    double play = 0;                      // how far all are moved, along x and along z, at most, m
+    std::vector<float> first_x, first_z;  // least offset of each marker from the cell's middle, m; none: fixed markers
+    float jitter = 0;                     // largest distance from there along x and along z, m
+    double play = 0;                      // largest shift of all markers along x and along z, m
     std::uint64_t seed = 0;
     std::uint64_t epoch = 0;
-    Vector2d moved = Vector2d::Zero();  // in this epoch, m
-    PlacedBoxes obstacles;              // inside them there are none
-    PlacedHouses houses;                // nor in these
+    Vector2d moved = Vector2d::Zero();  // shift in this epoch, m
+    PlacedBoxes obstacles;              // markers inside these are dropped
+    PlacedHouses houses;                // and inside these
 };
 
 struct Markers {
@@ -42,12 +44,13 @@ struct Markers {
     [[nodiscard]] bool are_drawn() const { return !drawn.first_x.empty(); }
 };
 
-// `fixed`: throws darts, `markers_per_cell` that stay in each cell of the grid, uniformly at random under the condition
-// that no two of them, in one cell or in two, are closer than `marker_min_distance`; then drops those inside obstacles and houses, so
-// that free ground has the same density everywhere. The grid's border has markers too: an agent at the edge of the world
-// perceives as many as elsewhere. In a periodic world the border's first and last columns have none: what lies beyond an
-// end are the markers at the other, and the distance holds across the joint.
-// `redrawn`: DrawnMarkers, the same conditions; `markers_per_cell` must be a square number.
+// Places the markers.
+//   `fixed`    throws darts until each cell of the grid has `markers_per_cell`, uniformly at random, with at least
+//              `marker_min_distance` between any two, also across cells. Then drops markers inside obstacles and
+//              houses, so that free ground has the same density everywhere. The grid's border has markers too: an agent
+//              at the edge of the world perceives as many as elsewhere. In a periodic world the border's first and last
+//              columns have none, as the markers of the other end lie there; the distance holds across the boundary.
+//   `redrawn`  sets DrawnMarkers under the same conditions; `markers_per_cell` must be a square number.
 // Depends on the seed alone. Throws ConfigurationError if the markers do not fit or the perception radius exceeds a
 // cell.
 [[nodiscard]] Markers place_markers(const Scene& scene);

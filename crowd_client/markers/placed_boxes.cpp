@@ -13,7 +13,7 @@ namespace {
 // Calls visit(cell) for each cell that lists the box.
 template <typename Visit>
 void visit_cells(const PlacedBoxes& boxes, const Obstacle& box, Visit&& visit) {
-    const double margin = 0.5 * boxes.cell + 1e-6;  // m; what is more than half a cell forgives rounding
+    const double margin = 0.5 * boxes.cell + 1e-6;  // m; the part beyond half a cell covers rounding
     const int last = boxes.column_of(box.x.hi + margin), last_row = boxes.row_of(box.z.hi + margin);
     for (int row = boxes.row_of(box.z.lo - margin); row <= last_row; ++row) {
         for (int column = boxes.column_of(box.x.lo - margin); column <= last; ++column) {
@@ -22,7 +22,7 @@ void visit_cells(const PlacedBoxes& boxes, const Obstacle& box, Visit&& visit) {
     }
 }
 
-// About how many cells there are, with the places in their lists.
+// Returns about the number of cells and of entries in their lists.
 double size_of(const PlacedBoxes& boxes, const Interval& x, const Interval& z) {
     const auto lines = [&](double length) { return length / boxes.cell + 3; };
     double size = lines(x.length()) * lines(z.length());

@@ -1,9 +1,9 @@
 #pragma once
-// Boxes that are found by where they stand.
+// Boxes with a spatial index.
 //
-// The rectangle round all of them is divided into square cells. Each lists, in their order, the boxes that reach nearer to it
-// than half a cell. So a look that is at most a cell wide reads the list of one cell, that of its middle; a wider one merges
-// the lists of the cells that it touches. The rim counts for all that lies beyond it.
+// The rectangle around all boxes is divided into square cells. Each cell lists, in their order, the boxes nearer to it
+// than half a cell. A query at most a cell wide reads the list of one cell, at its middle; a wider one merges the lists
+// of the cells that it touches. The outermost cells count for everything beyond them.
 
 #include <algorithm>
 #include <cstddef>
@@ -26,7 +26,7 @@ struct PlacedBoxes {
     double x0 = 0, z0 = 0;                    // lower corner of the first, m
     int columns = 0, rows = 0;
     std::vector<std::uint32_t> start;   // boxes near cell c: [start[c], start[c + 1]) of `listed`
-    std::vector<std::uint32_t> listed;  // places in `all`, ascending within a cell
+    std::vector<std::uint32_t> listed;  // indices in `all`, ascending within a cell
 
     // Coordinates must be finite.
     [[nodiscard]] int column_of(double x) const { return line_of(x - x0, columns); }
@@ -44,8 +44,8 @@ struct PlacedBoxes {
 // cell: side of the cells, m; they are made wider where they and their lists would need more than a few MB.
 [[nodiscard]] PlacedBoxes place_boxes(std::vector<Obstacle> boxes, double cell = PlacedBoxes::usual_cell);
 
-// Whether `test(box)` is true for a box that reaches into the rectangle x, z, m, or touches it. They are asked in their order,
-// each once, until one is found.
+// Returns whether `test(box)` is true for a box that overlaps or touches the rectangle x, z, m. Tests the boxes in
+// their order, each once, until one is found.
 template <typename Test>
 bool any_near(const PlacedBoxes& boxes, const Interval& x, const Interval& z, Test&& test) {
     if (boxes.all.empty()) return false;
@@ -64,7 +64,7 @@ bool any_near(const PlacedBoxes& boxes, const Interval& x, const Interval& z, Te
     const int first_row = boxes.row_of(z.lo), last_row = boxes.row_of(z.hi);
     const auto cells = static_cast<std::size_t>(last - first + 1) * static_cast<std::size_t>(last_row - first_row + 1);
     if (cells >= boxes.all.size()) return std::any_of(boxes.all.begin(), boxes.all.end(), holds);
-    // The next box of the merged lists is the least of those from `from` on.
+    // The next box of the merged lists has the smallest index from `from` on.
     for (std::uint32_t from = 0;;) {
         auto next = static_cast<std::uint32_t>(boxes.all.size());
         for (int row = first_row; row <= last_row; ++row) {

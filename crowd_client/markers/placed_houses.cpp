@@ -8,7 +8,7 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double cell_of_grounds = 8, cell_of_pieces = 2;  // m; a house, and a step with what it looks at
+constexpr double cell_of_grounds = 8, cell_of_pieces = 2;  // m; size of a house, and of a step with its surroundings
 constexpr double longest_piece = 4;     // m; a rectangle round more would hold far more than the side
 constexpr double shortest_side = 1e-9;  // m
 
@@ -42,7 +42,7 @@ bool is_court(const MapPolygon& plan, std::size_t ring_number) {
     return round_it % 2 == 1;
 }
 
-// Its corners so that the house is on the left of the way along them: an outer ring against the clock, a court's with it.
+// Returns the corners with the house on the left along them: an outer ring counter-clockwise, a court's clockwise.
 std::vector<Vector2d> corners_of(const MapLine& ring, bool of_court) {
     std::vector<Vector2d> corners;
     for (const MapPoint& p : ring) {

@@ -1,8 +1,8 @@
 #pragma once
-// Houses of any ground plan, found by where they stand.
+// Houses of any ground plan, with a spatial index.
 //
-// The sides of the ground plans are listed in the cells of an index (placed_boxes.hpp), long ones in pieces, so that whoever looks
-// near a house meets the sides that are there and no others. Obstacles of a scene with a site are houses, too.
+// The sides of the ground plans are listed in the cells of an index (placed_boxes.hpp), long ones in pieces, so that a
+// query near a house finds the sides there and no others. Obstacles of a scene with a site are houses, too.
 
 #include <cstddef>
 #include <cstdint>
@@ -27,9 +27,9 @@ struct HouseSide {
     bool juts_before = false, juts_after = false;  // whether the house's corner there is less than 180 degrees
     bool is_of_court = false;                      // of a ring within another one of the house
 
-    // How far p is before the line of the side, m; below 0 behind it.
+    // Returns the distance of p in front of the line of the side, m; below 0 behind it.
     [[nodiscard]] double distance_before(const Vector2d& p) const { return outward.dot(p - from); }
-    // The place of the side that is nearest to p, as a length from `from`, m.
+    // Returns the point of the side nearest to p, as a length from `from`, m.
     [[nodiscard]] double nearest(const Vector2d& p) const { return std::clamp(along.dot(p - from), 0.0, length); }
     [[nodiscard]] Vector2d at(double s) const { return s >= length ? to : Vector2d(from + s * along); }
 };
@@ -51,13 +51,13 @@ struct PlacedHouses {
 
 [[nodiscard]] PlacedHouses place_houses(std::vector<MapPolygon> plans);
 
-// The houses of the scene's site, then its obstacles and flood walls; none without a site.
+// Returns the houses of the scene's site, then its obstacles and flood walls; none without a site.
 [[nodiscard]] PlacedHouses houses_of(const Scene& scene);
 
 [[nodiscard]] bool is_in_a_house(const PlacedHouses& houses, const Vector2d& p);
 
-// Whether `test(side)` is true for a side of which a piece reaches into the rectangle x, z, m. They are asked in their order, until one
-// is found; some that only come near are asked, too.
+// Returns whether `test(side)` is true for a side with a piece in the rectangle x, z, m. Tests the sides in their order
+// until one is found; tests some sides that are only near, too.
 template <typename Test>
 bool any_side_near(const PlacedHouses& houses, const Interval& x, const Interval& z, Test&& test) {
     std::size_t last = houses.sides.size();
@@ -76,41 +76,45 @@ void for_each_side_near(const PlacedHouses& houses, const Interval& x, const Int
     });
 }
 
-// Whether the way from p to q meets a side, at its ends, too.
+// Returns whether the segment from p to q meets a side, also at its ends.
 [[nodiscard]] bool meets(const HouseSide& side, const Vector2d& p, const Vector2d& q);
 
-// The distance of the way from p to q from a side, m; 0 if they meet.
+// Returns the distance of the segment from p to q to a side, m; 0 if they meet.
 [[nodiscard]] double distance_between(const HouseSide& side, const Vector2d& p, const Vector2d& q);
 
-// Whether the way from p to q meets a house.
+// Returns whether the segment from p to q meets a house.
 [[nodiscard]] bool meets_a_house(const PlacedHouses& houses, const Vector2d& p, const Vector2d& q);
 
 // Residents of the houses of a site: where they start, by which door they leave, and when.
 //
-// People of the site's table with a position in a house, and as many of each house as its `residents` says, start indoors. They are not in
-// the water until they leave; then they stand before their door, as soon as there is room.
+// People of the site's table with a position in a house, and as many of each house as its `residents` says, start
+// indoors. They are not in the water until they leave. Then they appear in front of their door, as soon as there is
+// room.
 
 inline constexpr double never = std::numeric_limits<double>::infinity();
 
-// Somebody of a group that starts in houses.
+// A resident of a group that starts in houses.
 struct Lodger {
-    const Resident* row = nullptr;  // of the table; none: one of those whom the house counts
+    const Resident* row = nullptr;  // of the table; none: counted by the `residents` of the house
     std::int32_t house = -1;        // number; -1: outdoors
-    std::uint32_t in_house = 0;     // which of those of the house
+    std::uint32_t in_house = 0;     // number among the counted residents of the house
 };
 
-// Of a group that starts in houses, first the table's in its order, then those of the houses, which are the first such group's.
+// Returns the residents of a group that starts in houses: first its rows of the table in their order, then the counted
+// residents of the houses, which belong to the first such group.
 [[nodiscard]] std::vector<Lodger> lodgers_of(const Scene& scene, const PlacedHouses& houses, std::size_t group);
 
 // Positions before the doors of houses, `room` from all walls, m.
 class Doors {
  public:
     Doors(const Scene& scene, const PlacedHouses& houses, double room);
-    // The position before the door of a person: the nearest door of a table's person, else that of its number in turn. A house without
-    // free ground before any of its walls gives the middle of a wall. Throws ConfigurationError for a door that opens into a wall.
+    // Returns the position before the door of a person: the nearest door for a person of the table, else the doors in
+    // turn by its number. A house without free ground before any of its walls gives the middle of a wall. Throws
+    // ConfigurationError for a door that opens into a wall.
     [[nodiscard]] Vector2d place_before(const Lodger& lodger);
-    // All positions before doors of the house, the usual one first: of the doors that the scene states; else of points on its walls to
-    // the street that have free ground, middles of walls first, from the lowest ground up. Walls of courts come last.
+    // Returns all positions before doors of the house, the usual one first: of the doors that the scene states; else of
+    // points on its walls with free ground, middles of walls first, from the lowest ground up. Walls of courts come
+    // last.
     [[nodiscard]] const std::vector<Vector2d>& doors_of(std::size_t house);
 
  private:
@@ -121,10 +125,10 @@ class Doors {
     const Scene& scene_;
     const PlacedHouses& houses_;
     double room_;
-    std::vector<std::vector<Vector2d>> known_;  // by house, positions before its doors; empty: not looked for
+    std::vector<std::vector<Vector2d>> known_;  // by house, positions before its doors; empty: not computed yet
 };
 
-// When one leaves, s; `never` of who stays. u: a number of [0, 1) that is its own.
+// Returns the time of leaving, s; `never` for a resident that stays. u: its own number in [0, 1).
 [[nodiscard]] double leaving_time(const Leaving& leaving, double u);
 
 }  // namespace wade::crowd

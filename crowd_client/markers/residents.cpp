@@ -64,7 +64,7 @@ bool Doors::is_free(const Vector2d& p) const {
 }
 
 Vector2d Doors::before_stated_door(std::size_t house, const MapPoint& door) const {
-    constexpr double on_a_wall = 1;  // m; how far a door may be off
+    constexpr double on_a_wall = 1;  // m; largest distance of a door from the walls
     const std::span sides = sides_of(houses_, house);
     const Vector2d p(door.x, door.z);
     const auto nearest = std::min_element(sides.begin(), sides.end(), [&](const HouseSide& a, const HouseSide& b) {

@@ -7,7 +7,7 @@
 namespace wade::crowd {
 namespace {
 
-// The walkers once each, then those that reach over the joint a second time.
+// Lists each walker once, then a second time the walkers that reach over the periodic boundary.
 void list_entries(WalkerCells& cells, std::span<const Vector2d> sites, double radius, double period, double moved) {
     const std::size_t n = sites.size();
     cells.listed.resize(n);
@@ -66,7 +66,7 @@ void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Ve
         cells.cell[i] = static_cast<std::uint32_t>(cell);
         ++cells.start[cell + 1];
     }
-    // start[c + 1] is the next free place of cell c while the entries are dealt out, and its end when all are.
+    // start[c + 1] is the next free index of cell c while the entries are dealt out, and its end when all are.
     std::uint32_t before = 0;
     for (std::size_t c = 0; c < grid.cells(); ++c) {
         const std::uint32_t count = cells.start[c + 1];

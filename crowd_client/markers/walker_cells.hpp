@@ -1,10 +1,10 @@
 #pragma once
-// Walkers sorted by the cells whose markers they can reach.
+// Walkers sorted by the cells in their reach.
 //
 //      +----+----+----+      A walker w that claims within R <= 1 m of its site reaches 2 x 2 cells, with R <= 2 m
 //      |    |::::|::::|      3 x 3 of them (the source's R is 1 m). It is sorted under the lowest of them, its corner
-//      +----+--w-+----+      cell C. So the walkers that reach a cell are those of `span` runs: of the rows below it
-//      |    |C:::|::::|      and of its own row, each the cells left of it and its own column.
+//      +----+--w-+----+      cell C. So `span` runs hold the walkers that reach a cell: for its own row and each row
+//      |    |C:::|::::|      below it, the cells to its left and its own column.
 //      +----+----+----+
 
 #include <algorithm>
@@ -27,10 +27,11 @@ struct WalkerCells {
     int span = 2;  // cells that a walker reaches along an axis
     // Entries with corner cell c: [start[c], start[c + 1]), within a cell in the order of the walkers' list.
     std::vector<std::uint32_t> start;
-    std::vector<std::uint32_t> walker;  // of an entry: place in the walkers' list
-    std::vector<double> x, z;  // its site, m; an image's beyond the joint of a periodic world; read by copy_four()
+    std::vector<std::uint32_t> walker;  // of an entry: index in the walkers' list
+    std::vector<double> x, z;           // its site, m; of an image, beyond the periodic boundary; read by copy_four()
 
-    // Empty in an open world. A walker that reaches over the joint has two entries, the first with the smaller x.
+    // Empty in an open world. A walker that reaches over the periodic boundary has two entries, the first with the
+    // smaller x.
     std::vector<double> shift;         // of an entry against its walker along x, m
     std::vector<std::uint32_t> image;  // of a first entry: the second one, or none; of a second: `second`
 
@@ -41,14 +42,15 @@ struct WalkerCells {
     [[nodiscard]] std::size_t entries() const { return walker.size(); }
 };
 
-// Sorts walkers that claim markers within `radius` (at most 2 m) of their sites. Where `period` is above 0, a site that
-// reaches over the joint gets an image, and one beyond it is brought back with its walker standing beyond.
-// Each site must be in the world or less than 2 m - radius outside. moved: of the markers, m; sites count from there.
+// Sorts walkers that claim markers within `radius` (at most 2 m) of their sites. If `period` is above 0, a site that
+// reaches over the periodic boundary gets an image. A site beyond the boundary is moved back into the world, while its
+// walker stays beyond. Each site must be in the world or less than 2 m - radius outside. moved: of the markers, m;
+// sites count from there.
 void sort_walkers(WalkerCells& cells, const GroundGrid& grid, std::span<const Vector2d> sites, double radius,
                   double period, const Vector2d& moved);
 
-// Calls body(row, first, last, before) for each run of walkers that reach a cell: the entries [first, last), whose corner
-// cells are in `row`; `before` entries were in earlier runs.
+// Calls body(row, first, last, before) for each run of walkers that reach a cell: the entries [first, last) with corner
+// cells in `row`; `before` entries were in earlier runs.
 template <typename Body>
 void for_each_run(const WalkerCells& cells, int column, int row, Body&& body) {
     const int first_column = std::max(column - cells.span + 1, 0);

@@ -11,16 +11,16 @@
 
 namespace wade::crowd {
 
-// When an output is finished. They are made the other way round.
+// Order of finishing; outputs are made in the reverse order.
 enum class Turn {
-    growing,  // files that grow with the run; closing them may take space that nobody has kept free
+    growing,  // files that grow with the run; closing them may take space that is not reserved
     results,  // tables of what came out
     report    // how the run ended; written again if something fails later
 };
 
 struct RegisteredOutput {
     Turn turn;
-    std::array<std::string_view, 4> files;  // all that it may leave; those of an earlier run are removed
+    std::array<std::string_view, 4> files;  // all files that it may leave; files of an earlier run are removed
     std::size_t kept_open;                  // how many files it keeps open until it is finished
     bool (*wanted)(const Scene&, const Record&);
     std::unique_ptr<OutputWriter> (*make)(const OutputPlace&);  // throws OutputError

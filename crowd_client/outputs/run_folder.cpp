@@ -71,7 +71,8 @@ RunFolder::RunFolder(std::filesystem::path folder, const CrowdWorld& crowd, cons
     if (kept.danger_window > 0) {
         place.danger = std::make_shared<DangerRecord>(crowd.scene, crowd.agents.size(), kept.danger_window);
     }
-    // What says that the run has begun comes first, what may fill the disk last, once space is kept for the end.
+    // Outputs that show the start of the run come first. Outputs that may fill the disk come last, after space is
+    // reserved for the end.
     outputs_.resize(list.size());
     std::size_t bytes = 0;
     for (const Turn turn : {Turn::report, Turn::results, Turn::growing}) {
@@ -114,7 +115,7 @@ void RunFolder::finish(const CrowdWorld& crowd, RunSummary& summary, const RunLa
             }
         }
     };
-    // Closing what grew needs space, too; on a full disk the texts come first.
+    // Closing growing files needs space, too; on a full disk the texts come first.
     const bool disk_full = summary.status == "disk_full";
     if (!disk_full) finish_all(Turn::growing);
     reserve_.reset();

@@ -15,19 +15,20 @@
 
 namespace wade::crowd {
 
-// How many files the folder of such a run keeps open until it is finished.
+// Returns the number of files that the folder of such a run keeps open until it is finished.
 [[nodiscard]] std::size_t files_kept_open(const Scene& scene, const Record& kept);
 
-// Raises the limit of open files of this process, so that crowds that keep as many open each as `per_crowd` says have
-// room: up to five each, where the usual limit of 1024 would end at some 200 crowds.
+// Raises this process's limit of open files, so that crowds can keep as many open each as `per_crowd` says: up to five
+// each, where the usual limit of 1024 would end at some 200 crowds.
 // Throws ConfigurationError if even the largest limit that the process may have is too low.
 void allow_open_files(std::span<const std::size_t> per_crowd);
 
-// What a folder holds of an earlier run, in words, from its outcome.json: "s05, 50 of 50 arrived"; empty if there is none.
+// Returns what a folder holds of an earlier run, from its outcome.json: "s05, 50 of 50 arrived"; empty if there is
+// none.
 [[nodiscard]] std::string earlier_run(const std::filesystem::path& folder);
 
-// All outputs that a run asks for, told together (output_list.hpp). Beside them, until the run is finished, there is
-// `.reserve`: space for the last files, so that a disk that fills up keeps none of them out.
+// All outputs of a run, called together (output_list.hpp). Until the run is finished the folder also has `.reserve`:
+// space for the last files, so that a full disk keeps none of them out.
 class RunFolder {
  public:
     using Warn = std::function<void(const std::string&)>;
@@ -41,15 +42,15 @@ class RunFolder {
     // Logs the state after a step. Throws OutputError.
     void record(const CrowdWorld& crowd, const WaterView& water);
 
-    // Writes the results as they stand, so that a killed run loses little of who arrived: every two seconds of wall time, or
-    // as seldom as makes it a hundredth of it. Throws OutputError.
+    // Writes the current results, so that a killed run loses few arrivals. Does so every two seconds of wall time, or
+    // less often, so that it takes at most a hundredth of the wall time. Throws OutputError.
     void keep_results(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
 
     // Logs an event that was not in the scene, so that the scene as it was played repeats the run. Throws OutputError.
     void record_event(const TauEvent& event);
 
-    // Writes the final files. All are tried, the first error is thrown at the end and stands in the summary, and in
-    // those files that can be written.
+    // Writes the final files. Tries all of them, then throws the first error. The error also stands in the summary, and
+    // in the final files that can be written.
     void finish(const CrowdWorld& crowd, RunSummary& summary, const RunLabels& labels);
 
     [[nodiscard]] const std::filesystem::path& path() const { return folder_; }

@@ -1,5 +1,5 @@
 #pragma once
-// Drowning of people adrift: a hazard a second in place of a time after which all drown. Pure functions. [A]: assumed.
+// Drowning of people adrift: a hazard a second instead of a fixed time to drowning. Pure functions. [A]: assumed.
 //
 //   adrift: afloat or carried; counted where h >= 0.25 H, after the first t0 = 20 s [A] of a drift
 //   x += M dt                         exposure, s, kept from drift to drift

@@ -7,10 +7,10 @@ namespace wade::crowd {
 namespace {
 
 constexpr double stiffness = 2000, damping = 400;  // K, N/m; c, N s/m
-constexpr double patience = 0.3;                   // s, of a grip
+constexpr double patience = 0.3;                   // s, before an overloaded link lets go
 constexpr int rounds = 4, halvings = 40;
 
-// One link between two people who feel the pulls of all their other links.
+// One link between two people, under the given pulls of their other links.
 class Pair {
  public:
     Pair(LinkedPerson& a, LinkedPerson& b, const Vector2d& way, const Link& link, double dt)
@@ -23,7 +23,7 @@ class Pair {
           others_a_(a.pulls - link.pull * along_),
           others_b_(b.pulls + link.pull * along_) {}
 
-    // K (L' - L_0) + c dL'/dt if the link pulls with T; falls with T.
+    // Returns K (L' - L_0) + c dL'/dt after a step with the pull T; it decreases with T.
     [[nodiscard]] double asked(double pull) {
         a_.pulls = others_a_ + pull * along_;
         b_.pulls = others_b_ - pull * along_;
@@ -44,7 +44,7 @@ class Pair {
     Vector2d along_, others_a_, others_b_;
 };
 
-// The T that asks for itself, between what the link pushes and pulls at most.
+// Finds T = asked(T) by bisection, between the largest push and the largest pull of the link.
 void solve(Link& link, Pair pair) {
     double lo = link.pushes ? -link.grip : 0, hi = link.grip;
     if (pair.asked(hi) >= hi) {

@@ -11,16 +11,15 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double mean_time = 0.3;  // of what people feel, s
-constexpr double dry = 1e-6;       // m; a depth that fades away ends here
-constexpr double gain_in_lee =
-    0.11;  // eta: between what two depths of Li et al. 2024 give, 0.134 at 0.60 m and 0.092 at 0.35 m
+constexpr double mean_time = 0.3;      // low-pass of the sampled flow, s
+constexpr double dry = 1e-6;           // m; smaller low-passed depths become 0
+constexpr double gain_in_lee = 0.11;   // eta: between 0.134 at 0.60 m and 0.092 at 0.35 m (Li et al. 2024)
 constexpr double stays_within = 1;     // m, of one position
 constexpr double pinned_after = 10;    // s [A]
 constexpr double stays_pressed = 1;    // after a motion that was cut, s [A]
 constexpr double swimming_force = 45;  // N [A], of 30 to 60: 0.45 m/s through the water
 
-// Between these laws of standing were measured, by Abt, Karvonen and Xia; m.
+// Range of depths in the stability experiments of Abt, Karvonen and Xia; m.
 constexpr double shallowest_measured = 0.2, deepest_measured = 1.2;
 
 Body body_of(const People& people, std::size_t id, double mass) {
@@ -31,8 +30,8 @@ double share_of(const FeltStep& felt) {
     return felt.is_first ? 1 : -std::expm1(-felt.dt / mean_time);
 }
 
-// V = alpha M^beta with M = |U|^2 h / g + h^2 / 2, m2: walking in 0.2 to 0.7 m of water by age (Bernardini et al. 2020); above 68
-// years less by 1 + 0.016 for each year (Dobbs et al. 1993).
+// Returns V = alpha M^beta with M = |U|^2 h / g + h^2 / 2, m2: walking in 0.2 to 0.7 m of water by age (Bernardini et
+// al. 2020); above 68 years less by 1 + 0.016 for each year (Dobbs et al. 1993).
 double bernardini_speed(double age, double depth, double speed, double gravity) {
     struct Row {
         double up_to, alpha, beta;
@@ -44,7 +43,7 @@ double bernardini_speed(double age, double depth, double speed, double gravity) 
     return row.alpha * std::pow(specific_force, row.beta) / (1 + 0.016 * std::max(0.0, age - 68));
 }
 
-// Of the legs that hold, over that of fresh, warm ones.
+// Returns the strength of bracing legs over that of fresh, warm ones.
 double strength_of_legs(const People& people, std::size_t id) {
     const Wear& wear = people.wear[id];
     return (1 - wear.legs) * holding_strength(wear.thigh);
@@ -59,14 +58,14 @@ double swimming_force_of(const People& people, std::size_t id) {
     return people.wear.empty() ? swimming_force : swimming_force * moving_strength(people.wear[id].thigh);
 }
 
-// The load of the legs: what they are asked over what fresh legs, as cold as these, would hold.
+// Returns the load of the legs: the demand over the capacity of fresh legs at the same temperature.
 double load_of_legs(const People& people, std::size_t id, const Strain& e) {
     const double slip = e.slip * friction_of(people, id) / people.friction[id];
     const double topple = e.moment > 0 ? e.moment / (e.weight * people.arm[id] + e.hold) : 0;
     return std::min(1.0, std::max(slip, topple) / holding_strength(people.wear[id].thigh));
 }
 
-// A step of dt, s, in which legs tire or rest, and the body cools or warms. Who is off his feet neither tires nor rests [A].
+// Advances fatigue of the legs and temperature of the body by dt, s. Legs off the ground neither tire nor rest [A].
 void wear_out(People& people, std::size_t id, double dt) {
     constexpr double knee = 0.25, hand = 0.5;  // of H [A]
     Wear& wear = people.wear[id];
@@ -87,7 +86,7 @@ Stance stance_in(const People& people, std::size_t id, double mass, Rest posture
                      people.drag[id]);
 }
 
-// Returns the largest speed through still water, m/s, at which the own motion keeps D below 0.8; none for floating people.
+// Returns the largest speed through still water, m/s, that keeps D of the own motion below 0.8; infinite if afloat.
 double speed_of_firm_feet(const People& people, std::size_t id, double mass, const WaterProperties& water) {
     constexpr double keeps_below = 0.8;  // D of the own motion [A]
     const double depth = people.depth[id];
@@ -99,7 +98,7 @@ double speed_of_firm_feet(const People& people, std::size_t id, double mass, con
     return std::sqrt(keeps_below / demand);
 }
 
-// Returns a motion without what legs and means lag behind as the water gets deeper: no faster than firm feet allow.
+// Returns the motion limited to the speed of firm feet: legs and means lag behind while the water gets deeper.
 Vector2d firm_part_of(const Vector2d& motion, double most) {
     const double squared = motion.squaredNorm();
     return squared > most * most ? Vector2d(most / std::sqrt(squared) * motion) : motion;
@@ -149,12 +148,12 @@ Strain strain_of(const People& people, std::size_t id, double mass, const Vector
     return e;
 }
 
-// States that follow worse ones.
+// Returns true for states that follow worse ones.
 bool is_on_its_way_back(PersonState state) {
     return state == PersonState::recovering || state == PersonState::holding;
 }
 
-// C of a body that lies: as wide as the upright one would have to be to have its area in the whole depth.
+// Returns C of a lying body, as of an upright one with the width area_lying / depth.
 double drag_of_lying(const People& people, std::size_t id, double depth) {
     if (!(people.disc_width[id] > 0) || !(depth > 0)) return body_drag;
     return drag_on_slowed_stream(body_drag, area_lying(depth) / depth, people.disc_width[id]);
@@ -165,10 +164,10 @@ bool is_beyond_measured(const Condition& condition, double depth) {
     return strains && (depth < shallowest_measured || depth > deepest_measured);
 }
 
-// H m, m kg, of the largest of the small children and of the smallest adults (Cox et al. 2010).
+// H m, m kg, of the largest small children and of the smallest adults (Cox et al. 2010).
 constexpr double smallest_size = 25, largest_size = 50;
 
-// The skill that `by_size` stands for; itself between children and adults.
+// Returns the skill that `by_size` stands for; `by_size` itself between children and adults.
 Skill skill_of_size(const Body& body) {
     const double size = body.height * body.mass;
     return size <= smallest_size ? Skill::unaware : size < largest_size ? Skill::by_size : Skill::normal;

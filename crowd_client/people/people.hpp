@@ -1,5 +1,5 @@
 #pragma once
-// What people bring into the water and what it does to them: one array a property, the index is the agent's id.
+// Properties and states of people in water: one array a property, the index is the agent's id.
 
 #include <cstdint>
 #include <limits>
@@ -14,8 +14,8 @@
 
 namespace wade::crowd {
 
-// How long a person off its feet stays within a metre of one position. A person is pressed where a solid or others cut more than half
-// of a motion, against the stream, within the last second.
+// How long a person off its feet stays within a metre of one position. A person counts as pressed for 1 s after a solid
+// or other people cut more than half of its motion with the stream.
 struct Stop {
     Vector2d at = Vector2d::Zero();            // m
     double time = 0;                           // so far, s
@@ -30,28 +30,28 @@ struct People {
     std::vector<double> age;  // years
     std::vector<Skill> skill;
     std::vector<double> friction;    // mu of the feet
-    std::vector<double> drag;        // C on the water that it feels: C_D, or more of who pushes the water (push.hpp)
-    std::vector<double> disc_width;  // W_e of people who push the water, m; else 0
+    std::vector<double> drag;        // C on the sampled flow: C_D, or more with two-way exchange (push.hpp)
+    std::vector<double> disc_width;  // W_e with two-way exchange, m; else 0
     std::vector<double> arm;         // l = lambda H, m
     std::vector<std::uint8_t> can_swim;
-    std::vector<std::uint8_t> by_body;  // answers the water by its body (response measured) and not by a given tau
-    std::vector<double> dry_speed;      // at which it walks on dry ground, m/s
+    std::vector<std::uint8_t> by_body;  // 1: response `measured`, from its body; 0: from a given tau
+    std::vector<double> dry_speed;      // walking speed on dry ground, m/s
 
-    // As of the last step, low-passed with 0.3 s: a stride takes 0.5 s, and people fail on means.
+    // As of the last step, low-passed with 0.3 s: a stride takes 0.5 s, and stability depends on means.
     std::vector<double> depth;     // h, m
     std::vector<Vector2d> flow;    // h U, m2/s
-    std::vector<double> lee;       // delta of the wake in which it walks (push.hpp), [0, 1]; 0 without shelter
+    std::vector<double> lee;       // delta of the wake round the walking person (push.hpp), [0, 1]; 0 without shielding
     std::vector<Vector2d> wanted;  // walking velocity, m/s
     std::vector<double> slip;      // S
     std::vector<double> topple;    // T
-    std::vector<double> hold;      // M_hold of those it holds on to who stand, N m; 0 for most
+    std::vector<double> hold;      // M_hold of its links to standing people or ropes, N m; 0 for most
     std::vector<Condition> condition;
     std::vector<PersonState> worst;  // state so far, in the order of PersonState; recovering and holding do not count
     std::vector<double> beyond;      // time on its feet beyond what was measured, s
     std::vector<double> drowns_at;   // E of drift.hpp
     std::vector<Stop> stop;
 
-    std::vector<Wear> wear;  // empty where nobody tires and the water is not cold
+    std::vector<Wear> wear;  // empty without fatigue and cold water
     bool tires = false;
     std::optional<double> water_temperature;  // C
     DriftHazard drift_hazard;
@@ -62,63 +62,64 @@ struct People {
 
 // The person's surroundings in a step.
 struct FeltStep {
-    double depth = 0;                                               // h felt, m
-    Vector2d stream = Vector2d::Zero();                             // U felt, m/s
+    double depth = 0;                                               // h sampled, m
+    Vector2d stream = Vector2d::Zero();                             // U sampled, m/s
     double dt = 0;                                                  // s
-    bool is_first = false;                                          // of the run: nothing was felt before
-    double most_impulse = std::numeric_limits<double>::infinity();  // that the water has to give in the step, N s
-    double lee = 0;                                                 // delta of the wake in which it walks
+    bool is_first = false;                                          // of the run: no earlier samples
+    double most_impulse = std::numeric_limits<double>::infinity();  // that the water can give in the step, N s
+    double lee = 0;                                                 // delta of the wake round the walking person
 };
 
-// mu and lambda of a skill; docs/people_in_water.md has their sources.
+// Constants mu and lambda of a skill; sources in docs/people_in_water.md.
 struct Bracing {
     double friction, arm_share;
 };
 [[nodiscard]] Bracing bracing_of(Skill skill);
 
-// The same of a person of a size. by_size: up to H m = 25 m kg that of `unaware`, from 50 m kg on that of `normal`, linear between.
+// The same for a person of a size. by_size: `unaware` up to H m = 25 m kg, `normal` from 50 m kg on, linear between.
 [[nodiscard]] Bracing bracing_of(Skill skill, const Body& body);
 
-// Adds a person, of a table or drawn, and returns its mass, kg.
+// Adds a person, from a table or drawn at random, and returns its mass, kg.
 double add_person(People& people, const AgentGroup& group, const PersonRow& row, bool by_body,
                   const PersonDraws& draws);
 
-// Lets time act upon people, as the scene says.
+// Sets up fatigue, cold, air and the drowning hazard as in the scene.
 void start_wear(People& people, const Crowd& crowd);
 
-// mu and l of the legs, and the grip of the hands, N, as time has left them.
+// Return mu and l of the legs, and the grip of the hands, N, after fatigue and cold.
 [[nodiscard]] double friction_of(const People& people, std::size_t id);
 [[nodiscard]] double arm_of(const People& people, std::size_t id);
 [[nodiscard]] double grip_of(const People& people, std::size_t id);
 
-// A step of dt, s, of hands that hold `load` of what fresh ones hold, [0, 1].
+// Advances the fatigue of the hands by dt, s, under a load, [0, 1] of the fresh grip.
 void tire_hands(People& people, std::size_t id, double load, double dt);
 
-// U as low-passed, m/s; 0 without water.
+// Returns the low-passed U, m/s; 0 without water.
 [[nodiscard]] Vector2d mean_stream(const People& people, std::size_t id);
 
-// Takes what a person feels into the means.
+// Updates the low-passed depth, flow and wake with the sampled flow of a step.
 void feel(People& people, std::size_t id, const FeltStep& felt);
 
-// How fast it walks in the water that it has felt, m/s. In the lee of somebody who walks before it, v of the law becomes
-// v + eta (1 - s) (v_dry - v), s = (1 - lee)^2 the share of the drag that is left, eta = 0.11.
-// No faster than the own motion through still water keeps D below 0.8 [A].
+// Returns the walking speed in the low-passed water, m/s. In the wake of another person, v of the law becomes
+// v + eta (1 - s) (v_dry - v), s = (1 - lee)^2 the remaining fraction of the drag, eta = 0.11.
+// The speed is limited so that the own motion through still water keeps D below 0.8 [A].
 [[nodiscard]] double speed_in_water(const People& people, std::size_t id, double mass, WalkingLaw law,
                                     const WaterProperties& water);
 
-// D of somebody who would walk along a unit vector, or stand if it is 0, where the water is as felt; infinite where one floats.
+// Returns D of a person that walks along a unit vector, or stands if it is 0, in the sampled water; infinite where the
+// person floats.
 [[nodiscard]] double demand_at(const People& people, std::size_t id, double mass, const Vector2d& along,
                                const WaterProperties& water, const FeltStep& felt);
 
-// S, T and the state after a step, of somebody who goes at `velocity` and wants to walk at `wanted`.
+// Updates S, T and the state after a step. `velocity`: of the person; `wanted`: desired walking velocity, m/s.
 void note_condition(People& people, std::size_t id, double mass, const Vector2d& velocity, const Vector2d& wanted,
                     const WaterProperties& water, const FeltStep& felt);
 
-// Takes a motion of a step of dt, s, that ends at a position, m, in place of a wanted one.
+// Records the motion of a step of dt, s, that ends at `position`, m, and the wanted motion. Updates `stop`.
 void note_stop(People& people, std::size_t id, const Vector2d& position, const Vector2d& motion, const Vector2d& wanted,
                double dt);
 
-// The person as it is in the step, wanting to walk at `wanted`; stream and depth as felt, raw.
+// Returns the terms of the person's step, with the walking velocity `wanted`; stream and depth as sampled, unfiltered.
 [[nodiscard]] PersonInWater person_in_water(const People& people, std::size_t id, double mass, const Vector2d& wanted,
                                             const WaterProperties& water, const FeltStep& felt);
 

@@ -16,7 +16,7 @@ Vector2d drag_of(double k, const Vector2d& relative) {
     return k * std::sqrt(relative.squaredNorm()) * relative;
 }
 
-// The v' of M (v' - v) / dt = G + k |U - v'| (U - v'). With q = U - v - dt G / M and a = dt k / M it is
+// Solves M (v' - v) / dt = G + k |U - v'| (U - v') for v'. With q = U - v - dt G / M and a = dt k / M it is
 // |U - v'| (1 + a |U - v'|) = |q|, along q; the root is written without a difference, so that k may be 0.
 PersonStep in_the_drag(double k, double mass, const Vector2d& velocity, const Vector2d& force, const Vector2d& stream,
                        double dt) {
@@ -115,7 +115,7 @@ PersonStep step_in_water(const PersonInWater& person, const Vector2d& velocity, 
                           : step_carried(footing.k, footing.mass, velocity, person.swimming + pulls, person.stream, dt);
     const double impulse = std::sqrt(step.drag.squaredNorm());
     if (!(impulse > person.most_impulse)) return step;
-    // The water gives no more than it has; who has no hold on the ground then gains less speed.
+    // Limits the impulse to the one that the water can give; a person without hold on the ground then gains less speed.
     const Vector2d excess = (1 - person.most_impulse / impulse) * step.drag;
     step.drag -= excess;
     if (!person.has_ground || step.slides) step.velocity -= excess / footing.mass;

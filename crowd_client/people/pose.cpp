@@ -8,15 +8,15 @@ namespace wade::crowd {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double felt_time = 0.3;  // of what is felt, s
+constexpr double felt_time = 0.3;  // low-pass of the sampled flow, s
 constexpr double begins_at = 0.5, ends_at = 0.2;
-constexpr double least_wish = 0.1;         // below which legs want nothing, m/s
+constexpr double least_wish = 0.1;         // smaller velocities of the legs count as 0, m/s
 constexpr double walk_ratio = 0.24;        // s / (n H) with n in 1/s: 0.004 * 60
-constexpr double most_steps = 182.0 / 60;  // 1/s, of who walks (Inman et al. 1981)
+constexpr double most_steps = 182.0 / 60;  // 1/s, walking (Inman et al. 1981)
 constexpr double foot_share = 0.04,
-                 centre_share = 0.55;  // of H: the arm of feet without a lean, the height of the weight
+                 centre_share = 0.55;  // of H: lever arm of the feet without a lean, height of the centre of mass
 
-// Of H, hips of who gets up; the knee of 0.285 H bears the thigh of 0.245 H that kneels [A].
+// Hip heights while getting up, of H; kneeling with a knee at 0.285 H and a thigh of 0.245 H [A].
 constexpr double sitting_hip = 0.06, kneeling_hip = 0.27, squatting_hip = 0.3;
 constexpr double chin_to_hip = 0.87 - hip_share;
 constexpr double swimming_hip = 0.15, swimming_lean = 1.2;  // m below the surface, rad [A]
@@ -34,7 +34,7 @@ Vector2d rotated(const Vector2d& v, double angle) {
     return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
 }
 
-// The lean of who stands against a stream, rad.
+// Returns the lean of a standing person against a stream, rad.
 double lean_against(const Pose& pose, const People& people, std::size_t id, const PoseStep& step) {
     const double height = people.height[id], wet = std::min(pose.depth, height);
     const double k = drag_upright(height, pose.depth, step.water, people.drag[id]);
@@ -102,7 +102,7 @@ Vector3d turning_aim(const Pose& pose, const PoseStep& step) {
     return aim.cwiseMax(-fastest_tumbling).cwiseMin(fastest_tumbling);
 }
 
-// How far the heading has to go, to either side; as far as keeps the turn at its largest rate, at most.
+// Returns the turn that the heading still has to make, rad, limited so that its rate is at most fastest_turn.
 double turn_wanted(const Pose& pose) {
     if (!has_ground(pose.posture) || pose.wish.value.squaredNorm() < least_wish * least_wish) return 0;
     const double turn = std::remainder(angle_of(pose.wish.value) - pose.heading.value, 2 * pi);
@@ -124,7 +124,7 @@ void take_posture(Pose& pose, Posture posture) {
     pose.posture = posture;
 }
 
-// The body turns with the water; one about y turns z towards x.
+// Turns the body with the water; a turn about y moves z towards x.
 void turn_with_water(Pose& pose, double dt) {
     const double angle = -pose.turning.value.y() * dt;
     pose.heading.value += angle;

@@ -1,12 +1,12 @@
 #pragma once
-// What a person takes from the water that it stands or floats in: the drag, as an impulse that the water loses; and the lee that
-// it leaves.
+// Two-way momentum exchange of a person with the water: the drag, as an impulse that the water loses, and the wake.
 //
 //   k  = rho C B min(h, H) / 2,  u = U - V        drag k |u| u; U the mean over the cone of felt_water.hpp, V the person's velocity
-//   theta F / S                                   how fast a force F slows U itself
+//   theta F / S                                   deceleration of U by a force F
 //
-// A cone of radius R is a soft disc of the width W_e: U is slower than the stream, by the very drag. Momentum theory of an
-// actuator disc (Glauert 1935) gives the coefficient on U with which the drag is that of C_D on the stream that comes:
+// The sampling cone of radius R acts as a soft disc of the width W_e: the drag itself slows U below the upstream
+// velocity. Momentum theory of an actuator disc (Glauert 1935) gives the C on U that yields the drag of C_D on the
+// upstream flow:
 //
 //   C_T = C_D B / W_e <= 0.8,   C = C_D * 4 / (1 + sqrt(1 - C_T))^2
 //
@@ -14,8 +14,9 @@
 //   W_e = R (1.6 + 0.011 / Fr^3)   of particles, Fr = |U| / sqrt(g h): they mix within the disc [A], the more the longer they
 //                                  take to pass and the deeper they are
 //
-// Fitted to the drag of one who stands in 0.5 to 2.5 m/s and 0.5 to 1.5 m (spacing 0.25 m), where W_e / R is 1.3 to 8. The drag is
-// then right within 3 %, at 2.5 m/s within 6 %. It is the stream's U and not u, as it is the river that mixes [A].
+// Fitted to the drag of a standing person in 0.5 to 2.5 m/s and 0.5 to 1.5 m (spacing 0.25 m), where W_e / R is 1.3 to
+// 8. The drag is then right within 3 %, at 2.5 m/s within 6 %. Fr uses the stream's U and not u, as the stream mixes
+// [A].
 
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
@@ -28,47 +29,48 @@ struct Stream {
     double speed = 0, depth = 0, gravity = 0;
 };
 
-// W_e / R of what the scene's model gives people to push, infinite in still particles; `mixed` has particles there.
+// Returns W_e / R for the fluid model at people, infinite for particles at rest. `mixed` has particles there.
 [[nodiscard]] double disc_width_share(ModelKind model, const Stream& stream);
 
-// C of a body of width B, m, that pushes water over a disc of the width W_e, m.
+// Returns C of a body of width B, m, with two-way exchange over a disc of the width W_e, m.
 [[nodiscard]] double drag_on_slowed_stream(double drag, double body_width, double disc_width);
 
-// What is felt of the water near a person that pushes it.
+// Sampled water near a person with two-way exchange.
 struct PushedWater {
     Vector2d relative = Vector2d::Zero();  // u, m/s
     double weight = 0;                     // S, kg
     double theta = 0;
 };
 
-// The largest impulse, N s, that a person takes in a step: 0.5 |u| S / theta, which halves |u|. The stream renews the water in the
-// cone, so that a drag of a long step is not that of a pond, but more than half of it is not there to be taken.
+// Returns the largest impulse, N s, that a person takes in a step: 0.5 |u| S / theta, which halves |u|. The stream
+// renews the water in the cone, so that the drag of a long step does not decay as in a pond. But no step takes more
+// than half.
 [[nodiscard]] double largest_push(const PushedWater& water);
 
-// J = min(k |u| u dt, largest_push), N s, of who stands or walks.
+// Returns J = min(k |u| u dt, largest_push), N s, of a person that stands or walks.
 [[nodiscard]] Vector2d push_of_walker(double k, const PushedWater& water, double dt);
 
-// J of who is carried, so that neither it nor the water is turned round by the drag, however long the step:
+// Returns J of a person carried by the water. The drag reverses neither person nor water, however long the step:
 // |u'| = |u| / (1 + kappa |u| dt), kappa = k (theta / S + 1 / M), J = (|u| - |u'|) / (theta / S + 1 / M).
 [[nodiscard]] Vector2d push_of_carried(double k, double mass, const PushedWater& water, double dt);
 
-// The lee of people: a wake that particles of 0.1 to 0.5 m, and cells, are too coarse for.
+// Wake shielding by people: particles of 0.1 to 0.5 m, and cells, are too coarse to resolve these wakes.
 //
-//   delta = min(1, sqrt(C_D B / x)) exp(-4.5 y^2 / (C_D B x))    of the velocity is missing at x downstream, y across
+//   delta = min(1, sqrt(C_D B / x)) exp(-4.5 y^2 / (C_D B x))    relative velocity deficit, x downstream, y across
 //
-// Blevins (2005), the wake of a cylinder, for B / 2 < x <= 20 m, of somebody upstream whose body is B wide. Who stands in several
-// wakes feels the deepest one. What the water itself shows of a wake is left out of it, `resolved`: nothing in particles, which mix it
-// away within metres; C_D B / (2 W_e) in cells, whose wakes never end.
+// Blevins (2005), the wake of a cylinder, for B / 2 < x <= 20 m behind a body of width B. In several wakes the largest
+// deficit counts. The deficit that the fluid model itself resolves, `resolved`, is subtracted: nothing with particles,
+// which mix it away within metres; C_D B / (2 W_e) with cells, as wakes in cells never end.
 //
-// Of a file it leaves what was measured of dense groups (Li et al. 2026: mean drag -85 %); of a random crowd of 0.5 people/m2 it
-// leaves 0.42, where Nepf (1999) has 0.6 to 0.7.
+// For a file the remaining drag is as measured in dense groups (Li et al. 2026: mean drag -85 %). For a random crowd of
+// 0.5 people/m2 it is 0.42 of the drag, against 0.6 to 0.7 in Nepf (1999).
 
 inline constexpr double longest_wake = 20;  // m
 
-// delta behind a body of C_D B = `drag_width` m, B = `width` m; 0 beside and upstream of the wake.
+// Returns delta behind a body of C_D B = `drag_width` m, B = `width` m; 0 beside and upstream of the wake.
 [[nodiscard]] double wake_deficit(double drag_width, double width, double along, double across);
 
-// Beyond this to the side wakes of bodies of at most C_D B = `drag_width` m take less than 0.001, m.
+// Returns the lateral distance, m, beyond which delta is below 0.001 for bodies of at most C_D B = `drag_width` m.
 [[nodiscard]] double widest_wake(double drag_width);
 
 }  // namespace wade::crowd

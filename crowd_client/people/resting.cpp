@@ -5,7 +5,7 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double clothes = 0.45;  // friction of them on the ground [A]
+constexpr double clothes = 0.45;  // friction of clothes on the ground [A]
 
 // A part of the body's volume that lies between two heights, of H.
 struct Part {

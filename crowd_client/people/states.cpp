@@ -18,7 +18,7 @@ double demand(double moment, double held) {
     return held > 0 ? moment / held : std::numeric_limits<double>::infinity();
 }
 
-// Whether a time that has begun is over, to the nearest step.
+// Returns true if a time that has begun is over, to the nearest step.
 bool over(double time, double limit, double dt) {
     return time > 0 && time >= limit - 0.5 * dt;
 }
@@ -77,7 +77,7 @@ bool drowns_adrift(const Condition& now, const Strain& e) {
     return is_adrift(now.state) && reached > 0 && reached >= e.drowns_at;
 }
 
-// `now` loses time that was spent in a posture in which it cannot stay.
+// Returns the next state. `now` loses the time of a posture that no longer holds.
 PersonState next_state(Condition& now, const Strain& e, double dt) {
     if (drowns_adrift(now, e)) return PersonState::drowned;
     switch (now.state) {

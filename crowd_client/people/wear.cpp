@@ -20,9 +20,9 @@ double towards(double value, double end, double rate, double dt) {
     return end + (value - end) * std::exp(-rate * dt);
 }
 
-// How long a muscle that is tired by less than 1 - load holds a load that it cannot hold for ever.
+// Returns the time for which a muscle, tired by less than 1 - load, holds a load above its sustainable one.
 double time_left(double tired, double load, const MuscleRates& rates) {
-    const double end = rates.fatigue * load / rates.recovery;  // of M_F, were there enough of the muscle
+    const double end = rates.fatigue * load / rates.recovery;  // limit of M_F for an unlimited muscle
     return std::log((end - tired) / (end - (1 - load))) / rates.recovery;
 }
 
@@ -45,7 +45,7 @@ double tired_after(double tired, double load, const MuscleRates& rates, double d
         tired = 1 - load;
         dt -= held;
     }
-    return towards(tired, fatigue / (fatigue + recovery), fatigue + recovery, dt);  // all that is left works
+    return towards(tired, fatigue / (fatigue + recovery), fatigue + recovery, dt);  // all the rest works
 }
 
 double endurance_time(double load, const MuscleRates& rates) {

@@ -42,7 +42,8 @@ class Measured final : public Response {
             const Vector2d& after = step.velocity;
             next.push[k] = step.drag;
             next.at_end[k] = after;
-            // Bodies without ground gain speed for seconds: the mean of both ends puts them where short steps would.
+            // Bodies without ground gain speed for seconds: the mean of both ends gives the displacement of short
+            // steps.
             next.mean[k] = person.has_ground ? after : Vector2d(0.5 * (before + after));
         }
     }

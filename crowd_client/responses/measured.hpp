@@ -1,5 +1,5 @@
 #pragma once
-// The measured response: people answer the water by their bodies, with drag, buoyancy and what their feet hold.
+// The measured response: people respond to the water by their bodies, with drag, buoyancy and friction at their feet.
 
 #include <memory>
 
@@ -7,8 +7,8 @@
 
 namespace wade::crowd {
 
-// Each who answers by its body takes a step of people/person.hpp, by the state that people/states.hpp has found for it; others,
-// of a given tau, answer as the response of the paper.
+// An agent that responds by its body takes a step of people/person.hpp, in its state of people/states.hpp. An agent of
+// a given tau responds as in the paper.
 [[nodiscard]] std::unique_ptr<Response> make_measured_response(const Scene& scene);
 
 }  // namespace wade::crowd

@@ -20,10 +20,10 @@ template <typename Kind>
     return std::make_unique<Kind>(scene);
 }
 
-// All there are.
+// Returns all responses.
 [[nodiscard]] std::span<const RegisteredResponse> responses();
 
-// The response of this name, set up for a scene. Throws ConfigurationError for a name that is not in the list.
+// Returns the response of this name, set up for a scene. Throws ConfigurationError for a name that is not in the list.
 [[nodiscard]] std::unique_ptr<Response> make_response(std::string_view name, const Scene& scene,
                                                       std::span<const RegisteredResponse> list = responses());
 

@@ -1,7 +1,7 @@
 #pragma once
-// How people answer the water: the velocity of each in the next step, from a frozen state of all.
+// Response of people to the water: the velocity of each in the next step, from a frozen state of all.
 //
-//   walking velocities, contacts, water  --respond-->  velocities  --walls, bodies-->  places
+//   walking velocities, contacts, water  --respond-->  velocities  --walls, bodies-->  positions
 
 #include <cstdint>
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace wade::crowd {
 
-// What a response may look at. Place k of the lists belongs to the agent active[k].
+// Input of a response. Index k of the lists belongs to the agent active[k].
 struct FrozenCrowd {
     const Scene& scene;
     double dt;                              // length of the step, s
@@ -22,22 +22,22 @@ struct FrozenCrowd {
     std::span<const Vector2d> positions;    // m
     std::span<const Vector2d> walking;      // v_B of Eq. 4, m/s
     std::span<const Contact> contacts;      // Eq. 5
-    const WaterBins& water;                 // what lies within a cell of each of them
-    std::span<const FeltWater> felt;        // what each feels; empty where nobody asks for it
+    const WaterBins& water;                 // the water within a cell of each agent
+    std::span<const FeltWater> felt;        // flow sampled at each agent; empty if not needed
 };
 
-// What it answers, by place.
+// Result of a response, by index.
 struct NextVelocities {
-    std::vector<Vector2d> mean;  // over the step: what the agent goes, but for walls and bodies, is mean * dt, m/s
+    std::vector<Vector2d> mean;  // over the step: mean * dt is the displacement without walls and bodies, m/s
     std::vector<Vector2d>
         at_end;                  // v(t + dt) of agents that keep a velocity from step to step, Agents::momentary, m/s;
                                  // empty if they do not
-    std::vector<Vector2d> push;  // impulse of the water on who answers by its body, N s; else meaningless
+    std::vector<Vector2d> push;  // impulse of the water on agents that respond by their body, N s; else meaningless
 };
 
-// Called once a step for all agents, so that what it costs beside the loop over them is nothing. It has no memory: the
-// same state leads to the same velocities, an agent's depends on nobody's place in the list, and with tau = 0 or without
-// water it is, or tends to, the walking velocity. What must last from step to step lies in Agents.
+// Called once a step for all agents, so that the cost of the call is negligible. A response keeps no memory. The same
+// state leads to the same velocities, and these do not depend on the order of the agents. With tau = 0 or without water
+// the velocity is, or tends to, the walking velocity. Agents holds what must last from step to step.
 class Response {
  public:
     Response() = default;

@@ -20,7 +20,7 @@ std::string sentence(const std::filesystem::path& file, const std::string& reaso
     return "cannot write '" + file.string() + "': " + reason;
 }
 
-// 0, or the error number that kept the bytes from being written.
+// Returns 0, or the error number of a failed write.
 int write_all(int descriptor, std::string_view bytes) {
     while (!bytes.empty()) {
         const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());

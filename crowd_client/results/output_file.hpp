@@ -32,7 +32,7 @@ void write_whole_file(const std::filesystem::path& file, std::string_view conten
 // Throws ConfigurationError (exit code 2) that names the folder.
 void make_run_folder(const std::filesystem::path& folder);
 
-// Space on the disk kept free for what must still be written when the disk is full. Given back by the destructor.
+// Disk space kept free for files that must still be written when the disk is full. The destructor gives it back.
 class ReservedSpace {
  public:
     ReservedSpace(std::filesystem::path file, std::size_t bytes);  // throws OutputError if there is not so much
@@ -52,7 +52,7 @@ class AppendFile {
     AppendFile(const AppendFile&) = delete;
     AppendFile& operator=(const AppendFile&) = delete;
 
-    // Appends all of it, or throws OutputError and takes back what it had written of it.
+    // Appends all of it, or throws OutputError and removes what it had written of it.
     void append(std::string_view bytes);
 
  private:
@@ -61,7 +61,7 @@ class AppendFile {
     long long size_ = 0;
 };
 
-// A number of a table: as many digits as it takes to read back the same bits, whatever the locale.
+// Returns a number for a table: as many digits as it takes to read back the same bits, whatever the locale.
 [[nodiscard]] std::string csv_number(double v);
 
 }  // namespace wade::crowd

@@ -9,7 +9,7 @@ namespace wade::crowd {
 
 // Times and names of machines are left empty in a reproducible run.
 struct RunLabels {
-    std::string model;            // of the fluid, as its producer calls itself; empty: never met
+    std::string model;            // of the fluid, as its producer calls itself; empty: never joined
     std::string canonical_scene;  // JSON of the resolved scene
     std::string session;
     bool latest_frames = false;  // the newest frames instead of all

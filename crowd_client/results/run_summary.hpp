@@ -20,7 +20,7 @@ struct WeightedMean {
     [[nodiscard]] std::optional<double> value() const;
 };
 
-// Means and maxima over the frames that begin at or after `settling_time`; what no frame gave stays empty.
+// Means and maxima over the frames that begin at or after `settling_time`; values that no frame gave stay empty.
 struct FluidSummary {
     static constexpr double settling_time = 1;  // s; the first second of a run is not representative
 
@@ -36,20 +36,20 @@ struct FluidSummary {
     std::optional<double> max_density_error;
 };
 
-// Takes in one frame, whose state is at `time` (s); dt is the length of a frame.
+// Adds one frame with its state at `time` (s); dt is the length of a frame.
 void add_frame(FluidSummary& summary, const shm::Frame& frame, double time, double dt);
 
-// Momentum along x and z between people and water up to the last frame, N s; of a crowd that pushes the water.
+// Momentum exchange of people and water along x and z up to the last frame, N s; for a crowd that pushes the water.
 struct MomentumBalance {
     Vector2d got = Vector2d::Zero();      // by people
     Vector2d lost = Vector2d::Zero();     // by the water
-    Vector2d missing = Vector2d::Zero();  // that the water did not have any more
+    Vector2d missing = Vector2d::Zero();  // that the water no longer had
 
-    // What the water lost less what people got, but for what is missing, N s.
+    // Returns the water's loss less the people's gain, corrected by the missing part, N s.
     [[nodiscard]] double difference() const { return (lost + missing - got).norm(); }
 };
 
-// The balance as the water's diagnostics have it; none if they say nothing, as those of a water that people do not push.
+// Returns the balance from the water's diagnostics; none if they give none, as without two-way coupling.
 [[nodiscard]] std::optional<MomentumBalance> momentum_balance(const shm::Diagnostics& diagnostics, const Vector2d& got);
 
 // How a run went so far. Kept by the caller, so that it is complete up to the last frame when the loop throws.
@@ -59,28 +59,28 @@ struct RunSummary {
     std::uint64_t frames = 0;          // of the water, taken
     std::uint64_t last_frame = 0;      // number of the last of them
     double time = 0;                   // s, of the last of them
-    std::uint64_t dropped_frames = 0;  // not seen, outside lockstep only
+    std::uint64_t dropped_frames = 0;  // not received, outside lockstep only
     std::uint64_t frame_hash = 0;      // chain over them; 0 = unknown, as it is outside lockstep
     std::uint64_t agents_hash = 0;     // chain over the frames of agents, 0 = none were made
     FluidSummary fluid;
     std::optional<MomentumBalance> momentum;
 };
 
-// Whether the step just taken is the last: the duration is over, or all agents have arrived or died and the scene says
-// that the run ends then. A scene without agents runs for its whole duration.
+// Returns whether the step just taken is the last: the duration is over, or all agents have arrived or died and the
+// scene says that the run ends then. A scene without agents runs for its whole duration.
 [[nodiscard]] bool run_is_over(const CrowdWorld& crowd);
 
-// "interrupted", "peer_dead", ...: the status that goes with an exit code.
+// Returns the status for an exit code: "interrupted", "peer_dead", ...
 [[nodiscard]] std::string status_of(int exit_code);
 
-// The status of a run that an error ends: that of its exit code, or "disk_full".
+// Returns the status of a run that an error ends: that of its exit code, or "disk_full".
 [[nodiscard]] std::string status_of(const std::exception& error);
 
 // Ends the summary of a run without errors, after its last frame: "completed", or "stream_ended" with a message.
 void end_summary(RunSummary& summary, const CrowdWorld& crowd);
 
-// Ends the summary of a run that an error ends. A run that had ended well and whose files cannot be written has failed,
-// too; one that had failed before keeps its first reason.
+// Ends the summary of a run that an error ends. A run that ended well has failed, too, if its files cannot be written.
+// A run that failed before keeps its first reason.
 void fail_summary(RunSummary& summary, const std::exception& error);
 
 }  // namespace wade::crowd

@@ -7,7 +7,7 @@ namespace wade::crowd {
 
 class Stopwatch {
  public:
-    // Since it was made, s.
+    // Returns the time since construction, s.
     [[nodiscard]] double seconds() const {
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     }

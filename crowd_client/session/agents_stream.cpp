@@ -103,7 +103,7 @@ void AgentsPublisher::gather_impulses(const CrowdWorld& crowd) {
 
 void AgentsPublisher::publish(const CrowdWorld& crowd, std::uint64_t tick, bool final) {
     gather(crowd);
-    // A water whose first frame is at tick 0 has the tick of the start once more.
+    // If the first frame of the water is at tick 0, it has the tick of the start once more.
     last_tick_ = frame_ == 0 ? tick : std::max(tick, last_tick_ + 1);
     ++frame_;
     if (crowd.pushing) gather_impulses(crowd);

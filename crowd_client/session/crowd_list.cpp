@@ -26,7 +26,7 @@ std::string shown(const Json& value) {
     return text;
 }
 
-// What the files beside the folders of the crowds end in: those of the programs, of scripts, and parts of them.
+// Endings of the files beside the folders of the crowds: files of the programs, of scripts, and parts of them.
 constexpr std::array<std::string_view, 10> file_endings{".csv", ".json", ".jsonl", ".log",   ".part",
                                                         ".png", ".bin",  ".wrec",  ".state", ".sqlite"};
 
@@ -128,7 +128,7 @@ std::vector<Difference> differences(const Json& water, const Json& crowd, const 
     return all;
 }
 
-// What belongs to the water stays; the way back belongs to it, too.
+// Throws if a crowd changes what belongs to the water; the agents stream belongs to it, too.
 // has_columns: the water is published in another form for each response.
 void demand_same_water(const Json& water, const Json& crowd, bool has_columns, const std::string& who) {
     for (const auto& [pointer, base, value] : differences(water, crowd)) {
@@ -141,7 +141,7 @@ void demand_same_water(const Json& water, const Json& crowd, bool has_columns, c
     }
 }
 
-// Applies "set" in the order in which it is written: a later key may need an earlier one, as /events/1 needs /events/0.
+// Applies "set" in its written order: a later key may need an earlier one, as /events/1 needs /events/0.
 LoadedScene load_one(const Json& entry, const std::string& who, const std::filesystem::path& scene_file,
                      std::vector<SceneOverride> overrides) {
     static const Json nothing = Json::object();

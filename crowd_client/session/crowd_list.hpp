@@ -7,9 +7,9 @@
 //       "pictures": false }
 //   ]
 //
-// Comments are allowed. A key of "set" is a JSON pointer, its value that of the scene there, as with --set; they are set in
-// the order in which they are written. "pictures": whether what only pictures need is stored, trajectories.sqlite and
-// water.bin, as far as the options ask for it; true if it is absent.
+// Comments are allowed. A key of "set" is a JSON pointer, its value that of the scene there, as with --set; they are
+// set in their written order. "pictures": whether files for pictures alone are stored, trajectories.sqlite and
+// water.bin, as far as the options ask for them; true if it is absent.
 
 #include <filesystem>
 #include <string>
@@ -27,9 +27,9 @@ struct ListedCrowd {
     bool pictures = true;
 };
 
-// Reads the list. A crowd may change /seed, /name, /description, /events and what lies below /crowd and /coupling, the
-// way back left out; all else belongs to the water and must stay as it is in the scene.
-//   water      the scene that the fluid server runs: `scene_file` with `overrides`, which the crowds start from
+// Reads the list. A crowd may change /seed, /name, /description, /events and what lies below /crowd and /coupling,
+// except the agents stream. All else belongs to the water and must stay as it is in the scene.
+//   water      the scene of the fluid server, which the crowds start from: `scene_file` with `overrides`
 // The seed of a crowd does not reach the water: a kinematic stream keeps that of the scene.
 // Throws ConfigurationError that names the list, the crowd, the key, the value and what is allowed.
 [[nodiscard]] std::vector<ListedCrowd> load_crowds(const std::filesystem::path& list,

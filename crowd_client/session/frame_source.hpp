@@ -20,16 +20,16 @@ class FrameSource {
     virtual ~FrameSource() = default;
 
     [[nodiscard]] virtual const shm::StreamInfo& info() const = 0;
-    // Whether each frame comes, in order; else only those that are the newest when they are asked for.
+    // Returns whether each frame comes, in order; else only the newest frame at each acquire().
     [[nodiscard]] virtual bool in_lockstep() const { return true; }
     // The next frame, valid until release(); empty once the producer has ended the stream. May throw shm::Error.
     [[nodiscard]] virtual std::optional<shm::Frame> acquire() = 0;
     virtual void release() = 0;
-    // Frames that were not seen.
+    // Returns the number of frames that were not seen.
     [[nodiscard]] virtual std::uint64_t dropped_frames() const { return 0; }
     // Whether this side pauses on purpose, so that the producer need not count the time.
     virtual void set_paused(bool) noexcept {}
-    // Whether frames may still come; acquire() says what happened if not.
+    // Returns whether frames may still come; acquire() says what happened if not.
     [[nodiscard]] virtual bool producer_is_there() const { return true; }
     // Clean goodbye before the end of the stream.
     virtual void leave() noexcept = 0;

@@ -15,8 +15,8 @@ namespace wade::crowd {
 // Simulated time of a frame with this tick, s.
 [[nodiscard]] double time_of_tick(const shm::StreamInfo& info, std::uint64_t tick);
 
-// Steps of the crowd that are due once the water has reached `tick`, at most those of the whole run. Frames that the
-// header says to be as long as the scene's are counted, as a rate that is rounded to whole ticks drifts.
+// Returns the crowd steps that are due once the water has reached `tick`, at most all of the run. Counts frames if the
+// header states the scene's frame length, because a rate rounded to whole ticks drifts.
 [[nodiscard]] std::uint64_t steps_due_at(const Scene& scene, const shm::StreamInfo& info, std::uint64_t tick);
 
 // A sentence for the user if the stream's frames are not as long as the scene's, else empty.

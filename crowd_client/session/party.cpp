@@ -33,7 +33,7 @@ void add_member(Party& party, const ProgramStart& start, LoadedScene loaded, std
     party.members.push_back(std::move(member));
 }
 
-// What crowds take together.
+// Total size of crowds.
 struct Size {
     std::size_t crowds = 0;
     double agents = 0, memory = empty_client;  // bytes
@@ -78,7 +78,7 @@ void tell_of_earlier_runs(const Party& party, Console& console) {
                  (party.many ? of_many : " in '" + party.out.string() + "': " + last));
 }
 
-// Of a folder that could not be opened: outcome.json as far as it can be written, for whoever looks for the run there.
+// Writes outcome.json, as far as possible, for a folder that could not be opened, so that a reader finds the run there.
 void leave_outcome(const Member& member, const CrowdRun& run) {
     try {
         write_whole_file(member.place / "outcome.json", outcome_json(run.crowd, run.summary, member.labels));

@@ -1,5 +1,5 @@
 #pragma once
-// The crowds of a run, each with its folder: one, or those of a list (--crowds).
+// The crowds of a run, each with its folder: one crowd, or the crowds of a list (--crowds).
 
 #include <filesystem>
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace wade::crowd {
 
-// A crowd beside its CrowdRun of the same place.
+// Data of a crowd beside its CrowdRun of the same index.
 struct Member {
     std::string name;  // empty if it is the only one
     std::filesystem::path place;
@@ -22,7 +22,7 @@ struct Member {
     Record kept;
     std::unique_ptr<RunFolder> folder;  // none before open_folders() and after finish()
     bool finished = false;
-    std::size_t warnings_told = 0;  // of the crowd's
+    std::size_t warnings_told = 0;  // number of the crowd's warnings that were printed
 };
 
 struct Party {
@@ -36,21 +36,21 @@ struct Party {
 // "the crowd: 50 agents, 12 MB of memory"
 [[nodiscard]] std::string size_of_party(const Party& party);
 
-// The crowds that the command line asks for, before their first step; touches no file.
-// Throws ConfigurationError for a scene, a list or options that cannot be run, memory that is not there before any is taken.
+// Returns the crowds of the command line, before their first step; touches no file. Throws ConfigurationError for a
+// scene, a list or options that cannot be run, and for too little memory before any is taken.
 [[nodiscard]] Party make_party(const ProgramStart& start);
 
 // Creates the folders and their first files. Throws as RunFolder.
 void open_folders(Party& party, Console& console);
 
-// Writes the last files of crowd k, once, or what can be written where the first ones failed; an error is the crowd's
+// Writes the last files of crowd k, once, or what can be written if the first ones failed. An error becomes the crowd's
 // failure, if it had none before.
 void finish(Party& party, std::size_t k, Console& console);
 
-// Crowds that are not over when the run ends badly get its reason.
+// Gives the crowds that are not over the reason for a bad end of the run.
 void give_up(Party& party, const std::exception& error);
 
-// Writes what a list of crowds has beside the folders. Throws OutputError.
+// Writes the files of a list of crowds beside the folders. Throws OutputError.
 void sum_up(const Party& party);
 
 }  // namespace wade::crowd

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t columns = 100;
 
-// Words of a line in their order. Where it would be too long `more` is left out, then the health, then the water.
+// Words of a line in their order. A line that is too long loses `more`, then the health, then the water.
 struct Words {
     std::string begin, water, health, more, pace;
     [[nodiscard]] std::string line() const {

@@ -32,7 +32,7 @@ void check_order(const FrameSource& source, const shm::Frame& frame, std::uint64
                                                      " of the water where frame " + std::to_string(due) + " was due");
 }
 
-// Takes a frame into the summary once the crowd has walked through it.
+// Adds a frame to the summary after the steps of the crowd in it.
 void note_frame(RunSummary& summary, const FrameSource& source, const shm::Frame& frame) {
     const double time = time_of_tick(source.info(), frame.tick);
     add_frame(summary.fluid, frame, time, time - summary.time);
@@ -43,7 +43,7 @@ void note_frame(RunSummary& summary, const FrameSource& source, const shm::Frame
     if (source.in_lockstep()) summary.frame_hash = frame.hash;
 }
 
-// One way through the stream: the frames that came and where they led.
+// One run through the stream: its frames, and the steps of the crowds.
 class Journey {
  public:
     Journey(std::span<CrowdRun> crowds, FrameSource& source, const RunHooks& hooks, int threads,
@@ -97,19 +97,19 @@ class Journey {
         }
         if (hooks_.quit && hooks_.quit()) quit();
         std::optional<shm::Frame> frame = source_.acquire();
-        if (agents_ != nullptr) agents_->set_paused(false);  // as it may be while the water pauses
+        if (agents_ != nullptr) agents_->set_paused(false);  // it may be paused along with the water
         holds_frame_ = frame.has_value();
         return frame;
     }
 
-    // An end that was wished for is nobody's failure.
+    // A requested end is no failure.
     [[noreturn]] void quit() {
         source_.leave();
         if (agents_ != nullptr) agents_->close();
         throw RunError(ExitCode::interrupted, "told to quit after frame " + std::to_string(last_frame_));
     }
 
-    // A wait for those who take the agents; if the water goes meanwhile, its own stream says how.
+    // Waits for consumers of the agents; if the water ends meanwhile, its own stream gives the reason.
     template <typename Work>
     void beside_water(Work&& work) {
         try {
@@ -123,8 +123,9 @@ class Journey {
         }
     }
 
-    // Most often each crowd takes one step a frame and the water near the agents is enough; one that takes several, or
-    // long ones, may leave the cells that were near. A crowd that is alone sorts what it needs before each of its steps.
+    // Most often each crowd takes one step a frame, and the water near the agents is enough. With several steps, or
+    // long ones, agents may leave the cells that were near. A crowd that is alone sorts its water before each of its
+    // steps.
     void sort_water(const WaterView& water, const shm::Frame& frame) {
         if (is_alone()) return;
         std::uint64_t most_steps = 0;
@@ -146,12 +147,12 @@ class Journey {
     }
     [[nodiscard]] bool is_alone() const { return crowds_.size() == 1; }
 
-    // What one crowd after the other works in stays in the processor's cache.
+    // Working memory that one crowd after the other uses stays in the processor's cache.
     [[nodiscard]] MarkerMemory& memory_of_thread() {
         return marker_memories_[static_cast<std::size_t>(omp_get_thread_num())];
     }
 
-    // Without the error of the crowd, which is kept. A signal ends the walk early.
+    // Steps one crowd, and keeps its error instead of throwing it. A signal ends the steps early.
     void walk_one(std::size_t k, const WaterView& water, const shm::Frame& frame) {
         CrowdRun& run = crowds_[k];
         const std::uint64_t due = steps_due_at(run.crowd.scene, source_.info(), frame.tick);
@@ -193,7 +194,7 @@ class Journey {
         }
     }
 
-    // The water of frame f has taken what people got in the agents frames up to f - lag.
+    // The water of frame f has taken the impulses of the agents frames up to f - lag.
     void note_momentum(RunSummary& summary, const shm::Frame& frame) {
         const std::uint64_t taken = frame.frame - agents_->lag();
         summary.momentum = momentum_balance(frame.diagnostics, agents_->given_until(taken));
@@ -205,7 +206,7 @@ class Journey {
         only().summary.agents_hash = agents_->hash();
     }
 
-    // All that are over are marked before any of them is told, so that what happens then touches nobody else.
+    // Marks all crowds that are over before any on_over(), so that these calls affect no other crowd.
     void part_with_finished(bool stream_ends) {
         std::erase_if(walking_, [&](std::size_t k) {
             CrowdRun& run = crowds_[k];

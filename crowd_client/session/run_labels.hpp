@@ -1,5 +1,5 @@
 #pragma once
-// What a run is called and where it came from, for its records.
+// Labels of a run for its records: its name and origin.
 
 #include <string>
 #include <vector>
@@ -13,11 +13,11 @@ namespace wade::crowd {
 // The labels of a run that starts now, its fluid model not yet known.
 [[nodiscard]] RunLabels labels_of(const ProgramStart& start);
 
-// What the options say about the files that grow step by step.
+// Returns which files that grow step by step the options ask for.
 [[nodiscard]] Record record_of(const RunOptions& options);
 
-// The command without what differs between two runs of the same thing: the folder of the program, the options --out,
-// --session and --commands.
+// Returns the command without the parts that differ between two equal runs: the folder of the program, the options
+// --out, --session and --commands.
 [[nodiscard]] std::vector<std::string> portable_command(const std::vector<std::string>& arguments);
 
 }  // namespace wade::crowd

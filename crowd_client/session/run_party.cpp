@@ -28,14 +28,14 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double patience_to_refuse = 5;  // s, for water that a crowd cannot join to appear and be told so
+constexpr double patience_to_refuse = 5;  // s, time for the water to appear and be told that the crowd cannot join
 
 FrameMode mode_of(const RunOptions& options) {
     return options.word("--mode") == "latest" ? FrameMode::latest : FrameMode::lockstep;
 }
 
-// Tells the water of the session, if it waits for its first consumers, why this crowd will not come. Nobody else is
-// disturbed: neither water that runs already nor a crowd that it runs with.
+// Tells the water of the session why this crowd will not come, if the water waits for its first consumers. Does not
+// disturb running water, nor a crowd that runs with it.
 void refuse_water(const ProgramStart& start, const std::exception& error, Console& console) {
     const RunOptions& options = start.options;
     if (mode_of(options) == FrameMode::latest) return;  // no water waits for it
@@ -61,7 +61,7 @@ void before_joining(const ProgramStart& start, Console& console, Work&& work) {
     }
 }
 
-// Whether the frames so far are those of the scene, so that the same events in the same scene lead to the same run.
+// Whether the frames so far match the scene, so that the same events in the same scene lead to the same run.
 struct Regularity {
     bool so_far = true;
     void see(const shm::StreamInfo& info, const shm::Frame& frame, const Scene& scene) {
@@ -80,7 +80,7 @@ CrowdsProgress progress_of(const Party& party) {
     return totals;
 }
 
-// A party on its way through the water.
+// The run of a party through the water.
 class Voyage {
  public:
     Voyage(Party& party, const ProgramStart& start, RunControl& control, Console& console)
@@ -118,7 +118,8 @@ class Voyage {
     void join() {
         const RunOptions& options = start_.options;
         const auto waiting = waiting_of<shm::Waiting>(options, console_);
-        // While the crowd waits for the water it still lives, or pauses with it, for those who wait for its agents.
+        // While the crowd waits for the water, it keeps its own stream alive, or paused, so that consumers do not time
+        // out.
         shm::Waiting for_water = waiting;
         for_water.interrupted = [&] {
             if (agents_) agents_->heartbeat();
@@ -154,7 +155,7 @@ class Voyage {
         }
     }
 
-    // The producer learns why there is no way back if it should have been there.
+    // Tells the producer why an agents stream that it expects is missing.
     void open_way_back(shm::Waiting waiting) {
         // While the crowd waits for the water to take its agents, the water may die.
         waiting.interrupted = [this] { return received_signal() != 0 || !source_->producer_is_there(); };
@@ -224,7 +225,7 @@ class Voyage {
         }
     }
 
-    // What the crowds have to say to the user, once for each thing.
+    // Prints each warning of the crowds once.
     void tell_warnings() {
         for (std::size_t k = 0; k < party_.runs.size(); ++k) {
             const std::vector<std::string>& warnings = party_.runs[k].crowd.warnings;
@@ -235,7 +236,7 @@ class Voyage {
         }
     }
 
-    // Of the only crowd.
+    // For a single crowd.
     void note_frame(const shm::Frame& frame) {
         tell_warnings();
         const CrowdWorld& crowd = only().crowd;

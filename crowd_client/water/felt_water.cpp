@@ -20,7 +20,7 @@ namespace wade::crowd {
 namespace {
 
 constexpr double least_spread = 0.5, spread_in_spacings = 1.5;
-constexpr double largest_spread = GroundGrid::cell_size;  // what WaterBins hold round a place
+constexpr double largest_spread = GroundGrid::cell_size;  // reach of WaterBins around a position
 
 // The integral of 1 - sqrt(x^2 + z^2) over x from 0 to `to`, for x^2 + z^2 <= 1:
 // to - (to r + z^2 asinh(to / |z|)) / 2, r = sqrt(to^2 + z^2).
@@ -30,14 +30,14 @@ double cone_along(double to, double z) {
     return to - 0.5 * (to * r + curved);
 }
 
-// What is solid near a place, in units of R round it.
+// Solid ground near a position, in units of R around it.
 struct Solids {
     Interval x, z;  // of the channel
     std::vector<Obstacle> boxes;
     std::vector<std::vector<HouseSide>> houses;  // `from` and `to` alone
 };
 
-// Where the line z lies in a house: between each two sides that it crosses.
+// Finds the parts of the line z in a house: between each two sides that it crosses.
 void cover(const std::vector<HouseSide>& house, double z, std::vector<Interval>& covered) {
     std::vector<double> crossings;
     for (const HouseSide& side : house) {
@@ -49,7 +49,7 @@ void cover(const std::vector<HouseSide>& house, double z, std::vector<Interval>&
     for (std::size_t k = 1; k < crossings.size(); k += 2) covered.push_back({crossings[k - 1], crossings[k]});
 }
 
-// The integral of the cone of radius 1 along the line z, over what is not solid.
+// Returns the integral of the cone of radius 1 along the line z, over ground that is not solid.
 double open_line(const Solids& solids, double z, std::vector<Interval>& covered) {
     const double half_chord = std::sqrt(std::max(0.0, 1 - z * z));
     const double lo = std::max(-half_chord, solids.x.lo), hi = std::min(half_chord, solids.x.hi);
@@ -69,8 +69,8 @@ double open_line(const Solids& solids, double z, std::vector<Interval>& covered)
     return hi > at ? sum + cone_along(hi, z) - cone_along(at, z) : sum;
 }
 
-// The integral over all lines: Gauss's rule of four points between the z at which something begins or ends, the middle of the
-// cone, where it has a kink, among them.
+// Integrates over all lines with Gauss's rule of four points between the z values of all edges. These include the
+// middle of the cone, where it has a kink.
 double open_cone(const Solids& solids) {
     constexpr std::array<double, 2> node{0.339981043584856, 0.861136311594053};
     constexpr std::array<double, 2> weight{0.652145154862546, 0.347854845137454};
@@ -115,7 +115,7 @@ bool has_sides_near(const Feeling& feeling, const Vector2d& place) {
                          [](const HouseSide&) { return true; });
 }
 
-// Houses near a place, in units of the cone round it.
+// Returns the houses near a position, in units of the cone around it.
 std::vector<std::vector<HouseSide>> houses_seen_from(const Feeling& feeling, const Vector2d& place) {
     std::vector<std::vector<HouseSide>> seen;
     const PlacedHouses& houses = feeling.houses;
@@ -133,7 +133,7 @@ std::vector<std::vector<HouseSide>> houses_seen_from(const Feeling& feeling, con
     return seen;
 }
 
-// What is solid near a position; the ground between the ends of the world.
+// Returns the solid ground near a position, and the ground between the ends of the world.
 Solids solids_near(const Feeling& feeling, const Vector2d& position) {
     const double r = feeling.spread;
     Solids solids{seen_from(feeling.x, position.x(), r),
@@ -151,7 +151,7 @@ bool is_over_a_box(const Feeling& feeling, double x, double z) {
 }
 
 double spread_of_points(const Scene& scene) {
-    // Of shallow water on a site each cell is a particle.
+    // With shallow water on a site each cell is a particle.
     const double spacing = scene.site && scene.fluid->model == ModelKind::shallow_water
                                ? std::min(scene.fluid->shallow_water.cell_size, largest_spread / spread_in_spacings)
                                : scene.fluid->particle_spacing;
@@ -165,7 +165,7 @@ double spread_of_points(const Scene& scene) {
     return spread;
 }
 
-// The cone is integrated over columns, so that a body's width will do. The particles of the mixed model want more.
+// The cone is integrated over columns, so that a body's width suffices. The particles of the hybrid model need more.
 double spread_of_columns(const Scene& scene, const Vector2d& column) {
     if (scene.fluid->model != ModelKind::mixed) return least_spread;
     return std::clamp(spread_in_spacings * scene.fluid->particle_spacing, least_spread,
@@ -273,7 +273,7 @@ double spin_of_water(const Feeling& feeling, const WaterBins& bins, const Vector
     if (bins.x.empty() || !feeling.x.contains(place.x()) || !feeling.z.contains(place.y())) return 0;
     // A gradient needs some columns in reach.
     const double radius = std::max(feeling.spread, std::min(1.5 * bins.column.maxCoeff(), largest_spread));
-    // Sums of w m, w m r, w m r r^T and w m v r^T, r the way from the place, v the velocity.
+    // Sums of w m, w m r, w m r r^T and w m v r^T, r the offset from the position, v the velocity.
     double sum = 0;
     Vector2d way = Vector2d::Zero(), velocity = Vector2d::Zero();
     Eigen::Matrix2d spread = Eigen::Matrix2d::Zero(), shear = Eigen::Matrix2d::Zero();
@@ -290,7 +290,8 @@ double spin_of_water(const Feeling& feeling, const WaterBins& bins, const Vector
     if (!(sum > 0)) return 0;
     spread -= way * way.transpose() / sum;
     shear -= velocity * way.transpose() / sum;
-    // Particles in a line, or close to one another, tell of no gradient: of an even cone the spread is 0.15 R^2 along any axis.
+    // Particles in a line, or close to one another, give no gradient. In an even cone the spread is 0.15 R^2 along any
+    // axis.
     const double even = 0.15 * sum * radius * radius;
     const double determinant = spread(0, 0) * spread(1, 1) - spread(0, 1) * spread(1, 0);
     if (determinant < 1e-4 * even * even) return 0;

@@ -1,10 +1,10 @@
 #pragma once
-// The ground that a particle covers: the rectangle of its column, or a square as wide as its volume is, (m / rho)^(1/3), round
-// its position.
+// The ground that a particle covers: the rectangle of its column, or a square around its position as wide as its
+// volume, (m / rho)^(1/3).
 //
-// Counted in the one cell that it lies in, a particle would make even water uneven: of particles 0.46 m apart 4 or 5 fit
-// into a cell of 2 m. Dealt to cells by the part of its square in each, a lattice has its depth in cells of any size, but for
-// the outermost ones, as what lies beyond the grid is dealt to the rest.
+// If a particle counted in its own cell alone, even water would look uneven: 4 or 5 particles 0.46 m apart fit into a
+// cell of 2 m. Each cell therefore gets the part of the square in it, so that a lattice has its depth in cells of any
+// size. The outermost cells are an exception, because the part beyond the grid is dealt to the rest.
 
 #include <algorithm>
 #include <cmath>
@@ -46,8 +46,8 @@ class Footprints {
           rows_(column.y() * per_z_),
           fixed_(column.x() > 0) {}
 
-    // Calls add(cell, share, own) for the cells that the square of a particle at (x, z), m, of this mass, kg, meets; own: the
-    // cell that it lies in. The shares sum up to 1; none if it does not lie in the grid.
+    // Calls add(cell, share, own) for the cells that the square of a particle at (x, z), m, of this mass, kg, meets;
+    // own: the cell of its position. The shares sum up to 1. Makes no call for a particle outside the grid.
     template <typename Add>
     void deal(double x, double z, double mass, Add&& add) {
         const double column = (x - grid_.x0) * per_x_, row = (z - grid_.z0) * per_z_;
@@ -66,8 +66,8 @@ class Footprints {
     }
 
  private:
-    // Most producers have one mass for all particles, so that the last root is kept. No square is wider than some cells:
-    // whoever has particles of any mass gets an answer in time.
+    // Most producers have one mass for all particles, so that the last root is kept. The width of a square is limited
+    // to some cells, so that particles of any mass take a bounded time.
     void find_width(double mass) {
         constexpr double widest = 8;
         mass_ = mass;

@@ -1,5 +1,5 @@
 #pragma once
-// The particles near a place.
+// Particles near a position.
 
 #include <algorithm>
 #include <array>
@@ -10,17 +10,17 @@
 
 namespace wade::crowd {
 
-// Particles that are tested at a time, and room for those that are close with what a vector store writes beyond them.
+// Particles tested at a time, and room for the close ones with what a vector store writes beyond them.
 inline constexpr std::size_t chunk_size = 256;
 using Chunk = std::array<std::size_t, chunk_size + 8>;
 
-// Writes those of the particles [begin, end), at most chunk_size, that are closer to the agent than the root of `limit` into
-// `close`, in their order; returns their number. Which ones are close is hard to foresee, so that there is no branch: each
-// is written, and overwritten by the next one unless it is close.
+// Writes the particles of [begin, end), at most chunk_size, that are closer to the agent than the root of `limit` into
+// `close`, in their order; returns their number. Closeness is hard to predict, so that there is no branch: each
+// particle is written, and overwritten by the next one unless it is close.
 std::size_t find_close(const WaterBins& bins, const Vector2d& agent, double limit, std::size_t begin, std::size_t end,
                        Chunk& close);
 
-// How far a coordinate lies outside [lo, hi], m.
+// Returns the distance of a coordinate outside [lo, hi], m; 0 inside.
 [[nodiscard]] inline double gap_to_interval(double v, double lo, double hi) {
     const double beyond = std::max(lo - v, v - hi);
     return beyond > 0 ? beyond : 0;
@@ -35,7 +35,7 @@ void for_each_particle_near(const WaterBins& bins, const Vector2d& agent, double
     const double limit = distance * distance;
     for (int r = row - 1; r <= row + 1; ++r) {
         const double gap_z = gap_to_interval(agent.y(), GroundGrid::line_start(r), GroundGrid::line_start(r + 1));
-        // Cells of a row lie behind one another in the arrays; those that have no particle close enough are left out.
+        // Cells of a row lie behind one another in the arrays; cells out of reach are left out.
         const auto in_reach = [&](int c) {
             const double gap_x = gap_to_interval(agent.x(), GroundGrid::line_start(c), GroundGrid::line_start(c + 1));
             return gap_x * gap_x + gap_z * gap_z < limit;
@@ -52,7 +52,7 @@ void for_each_particle_near(const WaterBins& bins, const Vector2d& agent, double
     }
 }
 
-// Returns the rectangle of column k as a kernel of this radius, m, round a position has it.
+// Returns the rectangle of column k relative to a position, in units of `radius`, that of a kernel around it, m.
 [[nodiscard]] inline Rectangle column_seen_from(const WaterBins& bins, std::size_t k, const Vector2d& position,
                                                 double radius) {
     const Vector2d half = 0.5 * bins.column / radius;

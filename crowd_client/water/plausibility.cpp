@@ -18,11 +18,11 @@ namespace wade::crowd {
 namespace {
 
 constexpr double empty_time = 10;     // s
-constexpr double heaviest = 10;       // times the density of water; waves and random places stay far below
+constexpr double heaviest = 10;       // times the density of water; waves and random positions stay far below
 constexpr double margin_share = 0.1;  // of a side of the box
 constexpr double margin = 1;          // m
 
-// Bounds of one axis in stored units, where a mirrored axis has them the other way round.
+// Bounds of one axis in stored units, swapped for a mirrored axis.
 struct StoredInterval {
     float lo, hi;
     StoredInterval(const Interval& side, double origin, double scale) {
@@ -33,7 +33,7 @@ struct StoredInterval {
     }
 };
 
-// What one pass over the particles finds, in stored units.
+// Result of one pass over the particles, in stored units.
 struct Sums {
     std::size_t inside = 0;
     float mass = 0, lightest = std::numeric_limits<float>::infinity(), heaviest = 0;
@@ -115,7 +115,7 @@ std::string guess(const Box& found, const Box& expected) {
     return "";
 }
 
-// Heights at which a site may have water: from its lowest ground to 100 m above its highest [A].
+// Returns the possible heights of water on a site: from its lowest ground to 100 m above its highest [A].
 Interval heights_of(const Ground& ground, const World& world) {
     std::vector<double> heights;
     if (ground.raster) {

@@ -1,6 +1,6 @@
 #pragma once
-// Whether the particles of a producer can be the water of the scene: the first mistakes of whoever brings a solver are
-// units, the order of the axes, masses, and no particles at all.
+// Checks whether the particles of a producer can be the water of the scene. The usual first mistakes with a new solver
+// are units, the order of the axes, masses, and no particles at all.
 
 #include <array>
 #include <cstdint>
@@ -17,14 +17,15 @@ struct Box {
     std::array<Interval, 3> sides;  // x, y, z, m
 };
 
-// Where a scene has water: the channel from the bed to the highest surface that it starts with or feeds.
+// Returns the box for the water of a scene: the channel from the bed to the highest surface that it starts with or
+// feeds.
 [[nodiscard]] Box water_box(const Scene& scene);
 
 class Plausibility {
  public:
     explicit Plausibility(const Scene& scene);
 
-    // Looks at a frame; one pass over its particles. Returns sentences for the user, each kind once in a run:
+    // Checks a frame in one pass over its particles. Returns sentences for the user, each kind once in a run:
     //   most particles lie outside the box of the water, by more than a tenth of its length and a metre
     //   the particles weigh ten times as much as water that fills their box would
     //   there was no particle in the first ten seconds, where the scene has water from the start

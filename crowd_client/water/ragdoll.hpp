@@ -1,16 +1,18 @@
 #pragma once
-// Where the water tumbles a character, and how: data for animators, by which no agent is moved.
+// Ragdolls of characters that the water tumbles: data for animators, which move no agent.
 //
 // Source: Schaffer, Antonitsch, Neto, Musse, MIG 2020, section 4.1: a ragdoll is enabled for tau >= 0.8 and v_F > 2 m/s;
 // its hip has the mean height of all colliding particles and turns about all axes at a rate that follows the particles'
-// speed, increased by a random number in [0.1, 0.5]. Read here as:
-//   colliding    the particles of Eq. 5, those that move the agent
-//   mean         over these particles, in each step; what is written follows it 0.5 s behind, without jumps (people/pose.hpp), and
-//                stays in steps without such particles. (Their program takes it over 120 frames.)
+// speed, increased by a random number in [0.1, 0.5]. Interpreted here as:
+//   colliding    the particles of Eq. 5, which move the agent
+//   mean         over these particles, in each step; the output follows it 0.5 s behind, without jumps
+//                (people/pose.hpp), and stays in steps without such particles. (Their program: over 120 frames.)
 //   rate         about x, y and z, in rad/s: the component of the mean particle velocity along that axis in m/s, plus
-//                U(0.1, 0.5), one number for each agent and axis, for good; with random_sign plus or minus, as in their program
+//                U(0.1, 0.5), one number for each agent and axis, for good; with random_sign plus or minus, as in their
+//                program
 //   v_F          the velocity that the scene gives the channel, at the time of the step
-//   enabled      once the condition holds and particles collide in half of the last 0.3 s, low-passed, until in less than a fifth
+//   enabled      once the condition holds and particles collide in half of the last 0.3 s, low-passed, until in less
+//                than a fifth
 
 #include <array>
 #include <cstdint>
@@ -42,20 +44,21 @@ struct Ragdoll {
 // The random part of the rate of the hip about x, y and z, rad/s. Draws are those of (seed, agent, axis).
 [[nodiscard]] Vector3d random_rate(bool random_sign, std::uint64_t seed, std::uint32_t agent);
 
-// What an agent's ragdoll remembers.
+// Memory of an agent's ragdoll.
 struct Tumbling {
     LastingCondition enabled;
-    bool is_new = true;                                 // no particle has collided of late
-    TouchingMean last;                                  // of the last step in which particles collided
+    bool is_new = true;                                 // no particle has collided recently
+    TouchingMean last;                                  // of the last step with collisions
     Smoothed<double> height{0, 0};                      // m
     Smoothed<Vector3d> velocity{{0, 0, 0}, {0, 0, 0}};  // m/s
 };
 
-// After a step of dt; touching: the particles that collide in it while the condition holds, else none.
+// Updates the memory after a step of dt; touching: the particles that collide in it while the condition holds, else
+// none.
 void tumble_on(Tumbling& tumbling, const TouchingMean& touching, double dt);
 
-// The ragdolls of a step, ids ascending. active: ids; positions: theirs at the begin of the step; water: with heights;
-// tumbling: by id.
+// Finds the ragdolls of a step, ids ascending. active: ids; positions: theirs at the start of the step; water: with
+// heights; tumbling: by id.
 void find_ragdolls(std::vector<Ragdoll>& ragdolls, std::vector<Tumbling>& tumbling, const Scene& scene,
                    const Agents& agents, std::span<const std::uint32_t> active, std::span<const Vector2d> positions,
                    const WaterBins& water, std::uint64_t step);

@@ -36,7 +36,7 @@ SamplingDensity::SamplingDensity(const Feeling& feeling, double spacing)
       widest_(std::max(of_radius * feeling.spread, of_spacing * spacing)) {}
 
 void SamplingDensity::measure(const WaterBins& bins, const Vector2d& near) {
-    // Points nearer than half of what is allowed may lie above one another.
+    // Points nearer than half of the allowed spacing may lie above one another.
     const double least = bins.has_columns() ? 0.01 * bins.column.minCoeff() : 0.5 * widest_;
     constexpr double half = std::numbers::sqrt2 / 2;
     const std::array<Vector2d, directions> along{Vector2d(1, 0), Vector2d(half, half), Vector2d(0, 1),

@@ -1,5 +1,5 @@
 #pragma once
-// Whether the particles of a stream lie as the sampling cone of the crowd (felt_water.hpp) takes them to lie.
+// Checks whether the particles of a stream lie as the sampling cone of the crowd (felt_water.hpp) assumes.
 //
 // Points must lie densely enough. On a square grid of points d apart the cone of radius R errs by at most 3.6 % up to d = 0.53 R,
 // 11 % at 2/3 R, 15 % at 1.06 R, 38 % at 1.2 R and 115 % at 1.5 R. So 0.53 R is allowed; where a scene states the spacing of its
@@ -27,8 +27,8 @@ class SamplingDensity {
     // spacing: of the particles, as the scene states it, m
     SamplingDensity(const Feeling& feeling, double spacing);
 
-    // Measures the gaps of a point in each of the 2 x 2 m cells of people, where the water is deeper than 0.2 m. Returns a
-    // sentence for the user once 200 points were measured and they lie wrong; to be called until is_decided().
+    // Measures the gaps of a point in each of the 2 x 2 m cells of people, where the water is deeper than 0.2 m.
+    // Returns a sentence for the user once 200 points are measured and lie wrong; to be called until is_decided().
     [[nodiscard]] std::optional<std::string> look(const WaterBins& bins, std::span<const Vector2d> positions);
     [[nodiscard]] bool is_decided() const { return gaps_[0].size() >= enough; }
 

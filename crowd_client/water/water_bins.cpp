@@ -29,8 +29,8 @@ void mark_cells_near(WaterBins& bins, std::span<const Vector2d> positions) {
     }
 }
 
-// The cells of n particles from `begin` on; the number of cells for those outside the grid and for NaN. Without a branch,
-// so that the compiler turns it into vector code.
+// Finds the cells of n particles from `begin` on; the number of cells for particles outside the grid and for NaN. Has
+// no branch, so that the compiler turns it into vector code.
 void locate(const GroundGrid& grid, const WaterView& water, std::size_t begin, std::size_t n, std::uint32_t* cells) {
     const float* const px = water.px.data() + begin;
     const float* const pz = water.pz.data() + begin;
@@ -60,7 +60,7 @@ std::size_t keep_near(WaterBins& bins, const WaterView& water) {
     for (std::size_t begin = 0; begin < particles; begin += block_size) {
         const std::size_t n = std::min(block_size, particles - begin);
         locate(bins.grid, water, begin, n, cells.data());
-        // Each is written, and overwritten by the next one unless it is kept: no branch that is hard to foresee.
+        // Each is written, and overwritten by the next one unless it is kept: no branch that is hard to predict.
         for (std::size_t i = 0; i < n; ++i) {
             bins.kept_particle[kept] = static_cast<std::uint32_t>(begin + i);
             bins.kept_cell[kept] = cells[i];
@@ -82,7 +82,8 @@ double in_period(double x, double period) {
     return inside < period ? inside : 0;
 }
 
-// In a periodic world the first and the last column of cells stand in the border, too, at the other end.
+// Keeps a particle. In a periodic world the first and the last column of cells appear in the border at the other end,
+// too.
 void keep_with_images(WaterBins& bins, std::size_t particle, double x, double z) {
     const GroundGrid& grid = bins.grid;
     const int last = grid.columns - 3;
@@ -93,7 +94,7 @@ void keep_with_images(WaterBins& bins, std::size_t particle, double x, double z)
     if (column == last) keep(bins, particle, grid.index(0, row));
 }
 
-// x of a particle as it is seen in a cell of the periodic world's grid.
+// Returns x of a particle, or of its image, in a cell of the periodic world's grid.
 double x_seen_in(const WaterBins& bins, double x, std::size_t cell) {
     const double inside = in_period(x, bins.period);
     const int column = static_cast<int>(cell % static_cast<std::size_t>(bins.grid.columns));
@@ -123,7 +124,7 @@ void sum_up_cells(WaterBins& bins) {
     }
 }
 
-// Counts the kept particles into cell_start and leaves there, for each cell c, the first place of cell c in
+// Counts the kept particles into cell_start and leaves there, for each cell c, the first index of cell c in
 // cell_start[c + 1].
 void count_by_cell(WaterBins& bins, std::size_t kept) {
     const std::size_t cells = bins.grid.cells();
@@ -137,7 +138,7 @@ void count_by_cell(WaterBins& bins, std::size_t kept) {
     }
 }
 
-// Deals out the numbers of the kept particles into `order`. cell_start[c + 1] serves as the next free place of cell c
+// Deals out the numbers of the kept particles into `order`. cell_start[c + 1] serves as the next free index of cell c
 // meanwhile; once all are dealt out, it is the end of cell c.
 void deal_out(WaterBins& bins, std::size_t kept) {
     const std::uint32_t* const particle = bins.kept_particle.data();
@@ -147,8 +148,8 @@ void deal_out(WaterBins& bins, std::size_t kept) {
     for (std::size_t k = 0; k < kept; ++k) order[next[cell[k]]++] = particle[k];
 }
 
-// Fetches the particles of the cells in their order, so that it is written one after the other; the x of each as
-// x_of(x of the world, cell) says.
+// Copies the particles of the cells in their order, so that memory is written consecutively; x of each is x_of(x of the
+// world, cell).
 template <typename PlaceOf>
 void fetch(WaterBins& bins, const WaterView& water, PlaceOf&& x_of) {
     const std::uint32_t* const order = bins.order.data();
@@ -213,7 +214,7 @@ void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d
     if (water.size() > 0)
         mark_cells_near(bins, positions);
     else
-        bins.use.assign(bins.grid.cells() + 1, WaterBins::unused);  // nothing to keep, so marks would be for nothing
+        bins.use.assign(bins.grid.cells() + 1, WaterBins::unused);  // nothing to keep, so no marks are needed
     sort_marked(bins, water);
 }
 

@@ -29,7 +29,7 @@ struct WaterBins {
     // By cell, and one more for all that is outside: whether its water is kept; in the cells of agents it is summed up.
     enum Use : std::uint8_t { unused, kept, summed };
     std::vector<Use> use;
-    std::vector<Contact> sums;                            // by cell, of those that are `summed`
+    std::vector<Contact> sums;                            // by cell; only `summed` cells are filled
     std::vector<std::uint32_t> kept_particle, kept_cell;  // working memory, as they came
     std::vector<std::uint32_t> order;                     // the kept particles of the frame, ordered by cell
 
@@ -44,13 +44,13 @@ struct WaterBins {
 [[nodiscard]] WaterBins empty_bins(const Scene& scene);
 
 // Sorts the particles that can matter to agents at `positions`; one pass over all particles, one over those kept.
-// Particles outside the grid and such with a NaN position are left out.
+// Particles outside the grid or with a NaN position are left out.
 void bin_water(WaterBins& bins, const WaterView& water, std::span<const Vector2d> positions);
 
 // The same for agents anywhere in the grid.
 void bin_all_water(WaterBins& bins, const WaterView& water);
 
-// What the particles of a cell carry together, added in their order.
+// Returns the total mass and momentum of the particles of a cell, added in their order.
 [[nodiscard]] Contact sum_of_cell(const WaterBins& bins, std::size_t cell);
 
 }  // namespace wade::crowd

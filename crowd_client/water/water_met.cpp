@@ -11,7 +11,7 @@
 namespace wade::crowd {
 namespace {
 
-// The cell of a position, along one axis.
+// Returns the cell of a position, along one axis.
 Interval cell_of(double place) {
     const double start = GroundGrid::line_start(GroundGrid::line_of(place));
     return {start, start + GroundGrid::cell_size};

@@ -1,6 +1,5 @@
 #pragma once
-// A frame of the water as the crowd looks at it: in the coordinates of the scene, the ground plane and, for those who
-// ask, the heights.
+// A frame of the water in the coordinates of the scene: the ground plane and the heights.
 
 #include <cstddef>
 #include <span>
@@ -10,7 +9,7 @@
 
 namespace wade::crowd {
 
-// Arrays in place in the shared memory; world coordinate = origin + scale * stored value, velocity = scale * stored
+// Arrays in the shared memory, not copied; world coordinate = origin + scale * stored value, velocity = scale * stored
 // value.
 struct WaterView {
     std::span<const float> mass;        // kg
@@ -24,7 +23,7 @@ struct WaterView {
     [[nodiscard]] std::size_t size() const { return mass.size(); }
 };
 
-// Picks the stored axes that are the world's x, y and z. The axes of `info` must be a permutation of 1, 2, 3 with signs.
+// Picks the stored axes for the world's x, y and z. The axes of `info` must be a permutation of 1, 2, 3 with signs.
 [[nodiscard]] WaterView ground_view(const shm::Frame& frame, const shm::StreamInfo& info);
 
 }  // namespace wade::crowd

@@ -9,10 +9,10 @@ namespace wade::crowd {
 
 namespace {
 
-// Length of the offset that stands for a goal; Eq. 3 looks at its direction alone.
+// Length of the offset that stands for a goal; Eq. 3 uses its direction alone.
 constexpr double far_away = 10;
 
-// The water that an agent sees.
+// The water that an agent perceives.
 struct SeenWater {
     double count = 0;
     Vector2d place = Vector2d::Zero(), velocity = Vector2d::Zero(), direction = Vector2d::Zero();  // sums

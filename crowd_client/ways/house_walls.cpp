@@ -1,8 +1,8 @@
 // Steps that slide along houses of any ground plan.
 //
-// A step goes until it would come nearer to a side than `skin`; what is left of it loses the part across that side, and goes on. A
-// piece of the way is taken only if it meets no side and ends at least half a skin from all, so that nobody enters a house,
-// whatever is rounded.
+// A step ends where it would come nearer to a side than `skin`. The rest of the step loses its component across that
+// side, and continues. A segment is accepted only if it meets no side and ends at least half a skin from all sides, so
+// that rounding moves no agent into a house.
 
 #include <algorithm>
 #include <cmath>
@@ -17,11 +17,11 @@ namespace {
 constexpr double skin = Walls::skin, min_gap = 0.5 * Walls::skin;
 
 struct Touch {
-    double time = 2;  // in units of the way, [0, 1]; 2: none
+    double time = 2;  // in units of the segment, [0, 1]; 2: none
     const HouseSide* side = nullptr;
 };
 
-// When the way at + t rest first is within a skin of the side, before it.
+// Finds when the segment at + t rest first is within a skin of the side, in front of it.
 Touch touch_of(const HouseSide& side, const Vector2d& at, const Vector2d& rest) {
     const double here = side.distance_before(at), lost = -side.outward.dot(rest), there = here - lost;
     if (here < 0 || !(lost > 0) || there >= min_gap) return {};

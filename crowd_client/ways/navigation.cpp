@@ -116,7 +116,8 @@ void check_size(const Scene& scene, std::size_t goals) {
     throw ConfigurationError(message.str());
 }
 
-// The narrowest of the gaps between two boxes along an axis that a person fits through, less the person, at most `most`, m.
+// Returns the width of the narrowest gap between two boxes along an axis that a person fits through, less the person,
+// at most `most`, m.
 double narrowest_gap(const Sight& sight, double most) {
     const double width = 2 * sight.clearance;
     double least = most;
@@ -135,7 +136,7 @@ double narrowest_gap(const Sight& sight, double most) {
     return least;
 }
 
-// Small enough for each gap, if that leaves room for all goals, m.
+// Returns a cell size small enough for each gap, if the fields of all goals still fit into memory, m.
 double cell_for_gaps(const Navigation& navigation, const Scene& scene) {
     constexpr double smallest = 0.05;
     const double largest = scene.crowd->navigation.cell;
@@ -154,7 +155,7 @@ void place_boxes_of_way(Navigation& navigation, const Scene& scene) {
             boxes.push_back(box);
         }
     }
-    constexpr double cell = 4;  // m; wide enough for a look at the nodes near a place, and few of them on a long way
+    constexpr double cell = 4;  // m; wide enough to search for nodes near a position, with few cells on a long segment
     navigation.sight.boxes = place_boxes(std::move(boxes), cell);
 }
 
@@ -182,7 +183,7 @@ void name_goals(Navigation& navigation, const Agents& agents) {
     }
 }
 
-// The first agent without a way, as a sentence, or nothing. Fields that are not solved are not needed.
+// Returns a sentence about the first agent without a route, or nothing. Fields that are not solved are not needed.
 std::string first_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
     if (!finds_ways(navigation)) return "";
     std::size_t count = 0, first = 0;
@@ -214,14 +215,14 @@ void prepare(const Navigation& navigation, WayField& field) {
     if (navigation.period == 0) find_views(navigation, field);
 }
 
-// Whether the goal, or a place in which one has arrived, is in sight.
+// Returns whether the goal, or a position of arrival, is visible.
 bool sees_its_goal(const Navigation& navigation, const Vector2d& p, const Vector2d& rest) {
     const double length = std::sqrt(rest.squaredNorm());
     if (length <= navigation.goal_radius) return true;
     return sees_along(navigation, p, (1 - navigation.goal_radius / length) * rest);
 }
 
-// Solves the fields of those who do not see their goal, as long as memory lasts.
+// Solves the fields of goals hidden from their agents, as long as memory lasts.
 void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,
                         std::span<const Vector2d> positions, std::span<const Vector2d> goal_offsets, int threads) {
     if (navigation.solved == navigation.fields.size()) return;
@@ -261,7 +262,7 @@ std::uint64_t steps_in(double time, const Scene& scene) {
     return static_cast<std::uint64_t>(std::max(1.0, std::round(time * scene.crowd->step_rate)));
 }
 
-// Zero where it goes straight.
+// Returns the offset along the route, zero where the agent walks straight.
 Vector2d look_for_way(const Navigation& navigation, std::uint32_t id, const Vector2d& p, const Vector2d& rest) {
     const WayField& field = navigation.fields[navigation.field_of[id]];
     if (!field.is_solved()) return Vector2d::Zero();
@@ -288,7 +289,7 @@ void finish_grid(Navigation& navigation, const Scene& scene) {
         close_box(navigation.grid, grown(box, navigation.sight.clearance));
     }
     close_houses(navigation.grid, navigation.sight.houses, navigation.sight.clearance);
-    // From the cell of a position within the clearance to the nodes outside it, and one on.
+    // Reaches from the cell of a position within the clearance to the nodes outside it, and one on.
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     const double narrowest = std::min(navigation.grid.dx, navigation.grid.dz);
     constexpr int most_reach = 31;
@@ -302,7 +303,7 @@ double least_clearance(const Scene& scene) {
 }
 
 Navigation make_navigation(const Scene& scene, const Agents& agents) {
-    constexpr double time_between_looks = 1;   // whether fields are needed, s
+    constexpr double time_between_looks = 1;   // between checks for needed fields, s
     constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
     const NavigationSettings& settings = scene.crowd->navigation;
     Navigation navigation;

@@ -25,8 +25,8 @@ bool strictly_inside(const Obstacle& box, const Vector2d& p) {
     return box.x.lo < p.x() && p.x() < box.x.hi && box.z.lo < p.y() && p.y() < box.z.hi;
 }
 
-// Where the way p + t d, t in [0, 1], enters the open box (slab method). A point on a face that moves along it or away
-// from it does not enter.
+// Finds where the segment p + t d, t in [0, 1], enters the open box (slab method). A point on a face that moves along
+// it or away from it does not enter.
 Hit entry(const Obstacle& box, const Vector2d& p, const Vector2d& d) {
     double t_in = -std::numeric_limits<double>::infinity();
     double t_out = std::numeric_limits<double>::infinity();
@@ -52,7 +52,7 @@ Hit entry(const Obstacle& box, const Vector2d& p, const Vector2d& d) {
     return hit;
 }
 
-// Between two coordinates, and a skin more on either side for what is rounded.
+// Returns the range between two coordinates, a skin wider on either side against rounding.
 Interval box_range(double a, double b) {
     return {std::min(a, b) - Walls::skin, std::max(a, b) + Walls::skin};
 }
@@ -118,7 +118,7 @@ std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p) {
 
 Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& walking, double dt) {
     const bool ends = world.ends == Ends::open;
-    // Most are far from all edges, and the divisions below cost more than the rest.
+    // Most positions are far from all edges, and the divisions below cost more than the rest.
     const double reach_x = 2 * dt * std::abs(walking.x()), reach_z = 2 * dt * std::abs(walking.y());
     const bool far_x = !ends || (p.x() > reach_x && world.length - p.x() > reach_x);
     if (far_x && p.y() > reach_z && world.width - p.y() > reach_z) return walking;
@@ -134,8 +134,8 @@ Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displaceme
     const Interval x = box_range(p.x(), target.x()), z = box_range(p.y(), target.y());
     if (!any_near(walls.boxes, x, z, [](const Obstacle&) { return true; })) return target;
 
-    // Each face met takes one component away, so two faces end a step; further turns serve boxes that are met while
-    // sliding along another. What is left after the last turn is given up: the point is then where it last touched.
+    // Each face removes one component, so two faces end a step; further turns serve boxes that are met while sliding
+    // along another. The rest after the last turn is dropped: the point stays at its last contact.
     constexpr int max_turns = 8;
     Vector2d at = p;
     for (int turn = 0; turn < max_turns && at != target; ++turn) {

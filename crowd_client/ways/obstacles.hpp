@@ -1,16 +1,16 @@
 #pragma once
-// Where agents may be: the world's rectangle without the obstacles; and how a step is bent to stay there.
+// Walkable area: the world's rectangle without the obstacles. Steps slide along its edges.
 //
-// Along x the world ends in one of these ways:
+// Boundary conditions along x:
 //
 //   flow of the channel                  at x = 0                    at x = length
-//   emitter, recirculating, periodic     the fall, where who is      a wall
-//                                        carried over it is lost
+//   emitter, recirculating, periodic     the outfall, where agents   a wall
+//                                        swept over it are lost
 //   closed                               a wall                      a wall
 //   any, in a world with periodic ends   x = length                  x = 0
 //
-// The two ends of a closed channel are walls wherever it lies in the world, for whoever is in it and has its goal between them;
-// who wants to leave it passes, as people pass the banks.
+// The two ends of a closed channel are walls, wherever it lies in the world, for agents in it with their goal between
+// the ends. An agent with its goal outside passes them, as agents pass the banks.
 
 #include <optional>
 
@@ -23,12 +23,12 @@
 
 namespace wade::crowd {
 
-// Obstacles as agents meet them, each face moved outwards by `skin` so that boxes that touch leave no gap. Those of a
-// periodic world stand there three times, a world's length apart. Those of a scene with a site are among its houses.
+// Obstacles as walls for agents, each face moved outwards by `skin` so that touching boxes leave no gap. A periodic
+// world has three copies of them, a world's length apart. With a site the obstacles are among its houses.
 struct Walls {
     static constexpr double skin = 1e-6;  // m
 
-    // The ground of a closed channel.
+    // The ground plan of a closed channel.
     struct Tank {
         Interval x, z;
     };
@@ -44,26 +44,26 @@ struct Walls {
 
 [[nodiscard]] Walls make_walls(const Scene& scene);
 
-// The ends along x that hold for a step of somebody at p, m; infinite where there is none.
-//   goal_x        of its goal, m
+// Returns the bounds along x for a step of an agent at p, m; infinite where there is none.
+//   goal_x        x of its goal, m
 //   carried_down  whether the water pushes it towards -x
 [[nodiscard]] Interval ends_for(const Walls& walls, const Vector2d& p, double goal_x, bool carried_down);
 
-// The nearest place outside all boxes and houses for a point that is at most `skin` inside one; nothing if it lies deeper.
+// Returns the nearest position outside all boxes and houses for a point at most `skin` inside one; nothing if it lies
+// deeper.
 [[nodiscard]] std::optional<Vector2d> place_outside(const Walls& walls, const Vector2d& p);
 
-// The walking velocity that stays in the world within dt: the component that would leave it is shortened. A periodic
+// Returns the walking velocity that stays in the world within dt, with the outward component shortened. A periodic
 // world has no ends along x.
 [[nodiscard]] Vector2d keep_in_world(const World& world, const Vector2d& p, const Vector2d& walking, double dt);
 
-// Moves a point along `displacement` and slides along the faces it meets; it never enters a box or a house, however far it
-// moves.
-// The ends along x and the world's edges along z stop it, too.
-//   p             a place outside all boxes, in the world
+// Moves a point along `displacement` and slides along the faces that it meets. The point never enters a box or a house,
+// for displacements of any length. It also stops at the ends along x and at the world's edges along z.
+//   p             a position outside all boxes, in the world
 //   displacement  m
 [[nodiscard]] Vector2d slide(const Walls& walls, const Vector2d& p, const Vector2d& displacement, const Interval& ends);
 
-// The same, and the place, where there are houses and no boxes.
+// slide() and place_outside() for scenes with houses and without boxes.
 [[nodiscard]] Vector2d slide_along_houses(const Walls& walls, const Vector2d& p, const Vector2d& displacement,
                                           const Interval& ends);
 [[nodiscard]] std::optional<Vector2d> place_before_houses(const PlacedHouses& houses, const Vector2d& p);

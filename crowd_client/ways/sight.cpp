@@ -10,9 +10,9 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double rounding = 1e-9;  // m, so that who touches a face is not taken for inside
+constexpr double rounding = 1e-9;  // m, so that a point on a face does not count as inside
 
-// Along the axis on which they are farthest apart; below 0 for a place inside.
+// Returns the distance along the axis with the larger gap; below 0 for a position inside.
 double distance_to(const Obstacle& box, const Vector2d& p) {
     return std::max(std::max(box.x.lo - p.x(), p.x() - box.x.hi), std::max(box.z.lo - p.y(), p.y() - box.z.hi));
 }
@@ -26,7 +26,7 @@ bool cut(double p, double d, const Interval& side, double& t_in, double& t_out) 
     return t_in < t_out;
 }
 
-// The rectangle round p and q, grown by a margin.
+// The rectangle around p and q, grown by a margin.
 struct Rectangle {
     Interval x, z;
 };
@@ -36,8 +36,9 @@ Rectangle round_both(const Vector2d& p, const Vector2d& q, double margin_x, doub
     return {{lo_x - margin_x, hi_x + margin_x}, {lo_z - margin_z, hi_z + margin_z}};
 }
 
-// Asks, in no order and perhaps more than once, all boxes that reach nearer to the way from p to q than the margins. The way is
-// looked at in pieces, as a rectangle round all of it would hold far more.
+// Returns whether a test holds for a box nearer to the segment from p to q than the margins. Tests boxes in no order
+// and perhaps more than once. Divides the segment into pieces, because one rectangle around it would hold far more
+// boxes.
 template <typename Test>
 bool any_along(const PlacedBoxes& boxes, const Vector2d& p, const Vector2d& q, double margin_x, double margin_z,
                Test&& test) {
@@ -59,7 +60,7 @@ bool any_along(const PlacedBoxes& boxes, const Vector2d& p, const Vector2d& q, d
     return false;
 }
 
-// Whether the way from p to q comes nearer to a side of a house than a margin, m.
+// Returns whether the segment from p to q comes nearer to a side of a house than a margin, m.
 bool comes_near_a_house(const PlacedHouses& houses, double margin, const Vector2d& p, const Vector2d& q) {
     if (houses.empty()) return false;
     const double reach = std::max(margin, 0.0) + rounding;
@@ -70,7 +71,7 @@ bool comes_near_a_house(const PlacedHouses& houses, double margin, const Vector2
     });
 }
 
-// The clearance, or less where an end of the way is nearer to a box.
+// Returns the clearance, or less if an end of the segment is nearer to a box.
 double margin_at_ends(const Sight& sight, const Vector2d& p, const Vector2d& q) {
     return std::min(margin_from(sight, p), margin_from(sight, q));
 }
@@ -100,7 +101,7 @@ Obstacle grown(const Obstacle& box, double margin) {
 }
 
 bool crosses(const Obstacle& box, const Vector2d& p, const Vector2d& q) {
-    // Most ways lie on one side of the box; the divisions below would find the same.
+    // Most segments lie on one side of the box; the divisions below would find the same.
     const auto beside = [](double a, double b, const Interval& side) {
         return (a <= side.lo && b <= side.lo) || (a >= side.hi && b >= side.hi);
     };
@@ -117,7 +118,7 @@ bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q) {
     return sees_with(sight, margin_at_ends(sight, p, q), p, q);
 }
 
-// What is in sight with the whole clearance is with less, and most often the clearance is whole.
+// A point visible with the whole clearance is visible with less, and most often the clearance is whole.
 bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q, std::span<const std::uint32_t> hiding) {
     const auto keeps = [&](double margin) {
         return std::none_of(hiding.begin(), hiding.end(),
@@ -128,9 +129,9 @@ bool in_sight(const Sight& sight, const Vector2d& p, const Vector2d& q, std::spa
     return margin < sight.clearance && keeps(margin);
 }
 
-// in_sight: all ways from the rectangle to the goal lie within half its sides of the way from its middle.
-// hidden: the places that a convex box hides from the goal form a convex set, so that one which hides the four corners
-// hides all between them; the bare box, as the clearance shrinks for places near it.
+// in_sight: all segments from the rectangle to the goal lie within half its sides of the segment from its middle.
+// hidden: the positions that a convex box hides from the goal form a convex set. A box that hides the four corners
+// hides all positions between them. The test uses the bare box, because the clearance shrinks for positions near it.
 View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vector2d& goal,
              std::vector<std::uint32_t>* hiding) {
     const std::size_t before = hiding != nullptr ? hiding->size() : 0;
@@ -148,7 +149,7 @@ View view_of(const Sight& sight, const Interval& x, const Interval& z, const Vec
                            [&](const Vector2d& corner) { return crosses(grown(box, -rounding), corner, goal); });
     });
     if (hiding != nullptr) {
-        // Some were asked more than once.
+        // Some boxes were tested more than once.
         const auto first = hiding->begin() + static_cast<std::ptrdiff_t>(before);
         std::sort(first, hiding->end());
         hiding->erase(is_hidden ? first : std::unique(first, hiding->end()), hiding->end());

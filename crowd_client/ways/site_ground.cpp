@@ -1,4 +1,4 @@
-// How fast people walk on the ground of a site: slopes and water.
+// Walking speed of people on the ground of a site: slopes and water.
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,9 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double safe_demand = 0.8;   // D up to which a group enters water
-constexpr double shut_factor = 1000;  // of the slowness where it does not
-constexpr double wet = 0.01;          // m; less is no water
+constexpr double safe_demand = 0.8;   // largest D of water that a group enters
+constexpr double shut_factor = 1000;  // of the slowness in water that it does not enter
+constexpr double wet = 0.01;          // m; shallower water does not count
 
 Vector2d gradient_of(const SiteWays& site, const Vector2d& p) {
     const double half = 0.5 * site.ground_step;
@@ -24,7 +24,7 @@ Vector2d gradient_of(const SiteWays& site, const Vector2d& p) {
            (2 * half);
 }
 
-// r of the header, or 0 of a cell that the group does not enter.
+// Returns r of the header, or 0 for a cell that the group does not enter.
 double share_of_speed(const GroupWays& group, const SiteWays& site, std::size_t cell, const WaterProperties& water) {
     const auto depth = static_cast<double>(site.depth[cell]), speed = static_cast<double>(site.speed[cell]);
     if (!(depth > 0)) return 1;
@@ -54,7 +54,7 @@ void find_dry_slowness(Navigation& navigation) {
     }
 }
 
-// The part of each cell that no house stands on, by 8 x 8 places in those that a side may cut.
+// Computes the fraction of each cell without houses, from 8 x 8 points in cells that a side may cut.
 void find_free_ground(Navigation& navigation) {
     SiteWays& site = *navigation.site;
     const GroundCells& cells = site.cells;
@@ -78,7 +78,7 @@ void find_free_ground(Navigation& navigation) {
     }
 }
 
-// Depth and velocity by cell; whether there is any water.
+// Computes depth and speed by cell; returns whether there is any water.
 bool find_water(SiteWays& site, const WaterBins& water, double rest_density) {
     const std::size_t cells = site.cells.cells();
     const double area = site.cells.step_x * site.cells.step_z;
@@ -100,12 +100,12 @@ bool find_water(SiteWays& site, const WaterBins& water, double rest_density) {
             add(c, 1);
         }
     }
-    constexpr double least_free = 0.0625;  // of a cell; the little water in less counts as if it filled that
+    constexpr double least_free = 0.0625;  // of a cell; water on less free ground counts as if it covered this
     bool any = false;
     site.depth.assign(cells, 0.0F);
     site.speed.assign(cells, 0.0F);
     for (std::size_t c = 0; c < cells; ++c) {
-        // The column of a cut cell has its depth on the whole of its rectangle, also where that lies in a house.
+        // The column of a cut cell has its depth on its whole rectangle, also on the part in a house.
         const double open = std::max({site.free[c], covered[c], least_free});
         const double depth = sums[c].mass / (rest_density * area * open);
         if (!(depth > wet)) continue;

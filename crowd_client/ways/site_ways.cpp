@@ -17,13 +17,13 @@
 namespace wade::crowd {
 namespace {
 
-constexpr double look_ahead = 1;  // m, for water that one does not enter
+constexpr double look_ahead = 1;  // m, the distance at which an agent waits before water that it does not enter
 double reach_of_shelters(const Navigation& navigation) {
     const double widest = std::max(navigation.grid.dx, navigation.grid.dz);
     return std::max(shelter_reach, navigation.sight.clearance + 1.5 * widest);
 }
 
-// From a place to the nearest of a shelter, m; zero in it.
+// Returns the offset from p to the nearest point of a shelter, m; zero in it.
 Vector2d way_to_shelter(const PlacedHouses& shelters, std::size_t shelter, const Vector2d& p) {
     if (contains(shelters.plans[shelter], {p.x(), p.y()})) return Vector2d::Zero();
     Vector2d nearest = Vector2d::Constant(1e9);
@@ -35,7 +35,7 @@ Vector2d way_to_shelter(const PlacedHouses& shelters, std::size_t shelter, const
     return nearest;
 }
 
-// The nearest shelter with room within a reach, m, and the way to it; the first of equal ones.
+// Returns the nearest shelter with free capacity within a reach, m, and the offset to it; the first of equal ones.
 std::optional<std::pair<std::size_t, Vector2d>> shelter_near(const SiteWays& site, const Vector2d& p, double reach) {
     std::optional<std::pair<std::size_t, Vector2d>> nearest;
     double least = reach * reach;
@@ -51,7 +51,7 @@ std::optional<std::pair<std::size_t, Vector2d>> shelter_near(const SiteWays& sit
     return nearest;
 }
 
-// Nodes round each shelter, with the way that is left from there, and those of high ground, once for all.
+// Finds once the nodes around each shelter, with the distance left from there, and the nodes of high ground.
 void find_starts(Navigation& navigation) {
     SiteWays& site = *navigation.site;
     const TravelGrid& grid = navigation.grid;
@@ -111,7 +111,7 @@ void solve_fields(Navigation& navigation, std::span<const Vector2d> positions, i
     }
 }
 
-// The mean person of a group, and its fields: one that knows the water, and one that does not.
+// Adds the mean person of a group, and its two fields: one that knows the water, and one that does not.
 void add_group(Navigation& navigation, const Scene& scene, const Agents& agents, std::size_t g,
                const std::vector<std::uint32_t>& members) {
     const AgentGroup& group = scene.crowd->groups[g];
@@ -181,7 +181,7 @@ void check_size(const Navigation& navigation, const Scene& scene) {
     throw ConfigurationError(message.str());
 }
 
-// Whether water that it does not enter is before it, in sight.
+// Returns whether water that the agent does not enter is visible ahead.
 bool sees_shut_water(const Navigation& navigation, const GroupWays& group, const Vector2d& p, const Vector2d& along) {
     const SiteWays& site = *navigation.site;
     const double step = std::min(site.cells.step_x, site.cells.step_z);
@@ -193,7 +193,7 @@ bool sees_shut_water(const Navigation& navigation, const GroupWays& group, const
     return false;
 }
 
-// The way of one agent, zero where it waits.
+// Returns the offset along the route of one agent, zero where it waits.
 Vector2d way_in_site(Navigation& navigation, std::uint32_t id, std::uint32_t of_group, const Vector2d& p,
                      const Vector2d& rest) {
     SiteWays& site = *navigation.site;

@@ -21,7 +21,7 @@ Lines lines_inside(const Interval& side, double origin, double spacing, int coun
             static_cast<int>(std::clamp(last, -1.0, count - 1.0))};
 }
 
-// Those and the one before, from which an edge or a cell reaches in.
+// Returns lines_inside() and the line before, because edges and cells reach in from there.
 Lines reaching_inside(const Interval& side, double origin, double spacing, int count) {
     Lines lines = lines_inside(side, origin, spacing, count);
     if (side.hi > origin && side.lo < origin + (count - 1) * spacing) lines.first = std::max(lines.first - 1, 0);
@@ -110,7 +110,7 @@ class March {
     double a_, b_;  // A and B of the legend
 };
 
-// Nodes in the plan by even-odd along each row, and the edges and cells between them.
+// Closes the nodes in the plan by the even-odd rule along each row, and the cells next to them.
 void close_inside(TravelGrid& grid, const MapPolygon& plan, const Obstacle& ground) {
     const Lines rows = lines_inside(ground.z, grid.origin.y(), grid.dz, grid.rows);
     std::vector<double> crossings;
@@ -137,7 +137,8 @@ void close_inside(TravelGrid& grid, const MapPolygon& plan, const Obstacle& grou
     }
 }
 
-// What is nearer to a side than the clearance, piece by piece, as few nodes are near each.
+// Closes nodes, edges and cells nearer to a side than the clearance, piece by piece, because few nodes are near a
+// piece.
 void close_along(TravelGrid& grid, const HouseSide& side, const Obstacle& piece, double clearance) {
     const double reach = clearance + std::max(grid.dx, grid.dz);
     const auto first = [&](double lo, double origin, double spacing) {

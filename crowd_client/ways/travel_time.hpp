@@ -11,8 +11,9 @@
 //   T = m + sqrt(s^2 / (A + B) - A B (a - b)^2 / (A + B)^2)           if that T is not below a and b,
 //   T = min(a + s dx, b + s dz)           else, where one neighbour has no T yet, and where an obstacle reaches between them
 //
-// The error is of first order in the cells, O(h log(1/h)) round a goal that is a single node: start from exact times on a
-// disc of fixed size. Ways lead along edges from node to node and between two such edges; none crosses an obstacle.
+// The error is of first order in the cells, O(h log(1/h)) around a goal that is a single node: start from exact times
+// on a disc of fixed size. Routes run along edges from node to node and between two such edges; none crosses an
+// obstacle.
 
 #include <cstdint>
 #include <limits>
@@ -65,9 +66,9 @@ struct MarchMemory {
     std::vector<std::uint8_t> done;
 };
 
-// The travel time of each node, s; `unreachable` in obstacles and where they leave no way.
-//   slowness  1 / f by node, s/m, above 0; empty: 1 everywhere, so that times are lengths of way in m
-//   starts    nodes with known times, s; those of closed nodes are passed over
+// Computes the travel time of each node, s; `unreachable` in obstacles and where no route leads.
+//   slowness  1 / f by node, s/m, above 0; empty: 1 everywhere, so that times are route lengths in m
+//   starts    nodes with known times, s; closed nodes are skipped
 void march(std::vector<double>& travel, MarchMemory& memory, const TravelGrid& grid, std::span<const double> slowness,
            std::span<const std::pair<std::uint32_t, double>> starts);
 

@@ -10,7 +10,7 @@ namespace {
 
 struct Cell {
     int column = 0, row = 0;
-    double x = 0, z = 0;  // of the place in it, in cells, [0, 1]
+    double x = 0, z = 0;  // of the position in it, in cells, [0, 1]
 };
 
 Cell cell_of(const TravelGrid& grid, const Vector2d& p) {
@@ -33,8 +33,8 @@ std::optional<Vector2d> down_the_gradient(const TravelGrid& grid, const WayField
     return Vector2d(gradient * (-left / slope));
 }
 
-// L of the nodes round a cell, by rows of whole vectors. Nodes nearer than a cell are passed over, as the way would end there: from
-// a node, those that the grid has in other directions look a little farther than they are.
+// L of the nodes around a cell, by rows of whole vectors. Nodes nearer than a cell are skipped, because a route would
+// stall at them. From a node, L is slightly too large towards nodes in directions other than the grid's.
 class NodesNear {
  public:
     NodesNear(const Navigation& navigation, const WayField& field, const Cell& cell, const Vector2d& p)
@@ -64,7 +64,7 @@ class NodesNear {
         }
     }
 
-    // The place of the node with the least L and L; the first of equal ones. Infinite where none is left.
+    // Returns the position of the node with the smallest L, and L; the first of equal ones. Infinite if none is left.
     std::pair<Vector2d, double> take_least() {
         double least = unreachable;
         std::size_t block = 0;
@@ -91,7 +91,7 @@ class NodesNear {
     std::array<Block, 512> all_;  // (2 most_reach + 2)^2 numbers
 };
 
-// The nodes are looked at in the order of L, as most often one of the first is in sight.
+// Tests the nodes in the order of L, because one of the first is visible most often.
 std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayField& field, const Cell& cell,
                                        const Vector2d& p) {
     NodesNear nodes(navigation, field, cell, p);
@@ -117,7 +117,7 @@ bool goal_is_in_sight(const Navigation& navigation, const WayField& field, const
 
 }  // namespace
 
-// The images of a periodic world's obstacles are known for as far as a lap ahead.
+// The images of a periodic world's obstacles are known for one period ahead.
 bool sees_along(const Navigation& navigation, const Vector2d& p, const Vector2d& way) {
     const double ahead = std::abs(way.x());
     const double share = navigation.period > 0 && ahead > navigation.period ? navigation.period / ahead : 1;
@@ -127,14 +127,14 @@ bool sees_along(const Navigation& navigation, const Vector2d& p, const Vector2d&
 std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& field, const Vector2d& p,
                                  const Vector2d& rest) {
     const TravelGrid& grid = navigation.grid;
-    // In a periodic world, the lap in which the field's goal is where it should be.
+    // In a periodic world, moves p to the period where the field's goal is at the offset `rest`.
     const double period = navigation.period;
     Vector2d at = p;
     if (period > 0) {
-        const double to_image = field.goal.x() - p.x();  // in (-period, period), and rest less whole laps
+        const double to_image = field.goal.x() - p.x();  // in (-period, period), and rest less whole periods
         double image_rest = rest.x();
         if (std::abs(rest.x()) > 1.5 * period) {
-            // Into [0.5, 1.5) laps, on the side of the goal.
+            // Into [0.5, 1.5) periods, on the side of the goal.
             image_rest = std::copysign(std::fmod(std::abs(rest.x()) - 0.5 * period, period) + 0.5 * period, rest.x());
         }
         at.x() = p.x() + std::round((to_image - image_rest) / period) * period;
@@ -152,7 +152,7 @@ std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& f
 
 std::vector<Vector2d> places_on_way(const Navigation& navigation, const WayField& field, const Vector2d& from,
                                     double step) {
-    constexpr double longest = 100;  // m; longer ones go in circles
+    constexpr double longest = 100;  // m; longer routes go in circles
     std::vector<Vector2d> places{from};
     while (static_cast<double>(places.size()) * step < longest) {
         const Vector2d here = places.back(), rest = field.goal - here;

@@ -18,7 +18,7 @@ namespace {
 constexpr double wanted_cell = 2;   // m
 constexpr double most_cells = 1e6;  // keeps memory and file in bounds for a channel of any size
 
-// Part of a cell that obstacles leave free.
+// Returns the fraction of a cell that obstacles leave free.
 double free_share(const GroundCells& grid, std::size_t cell, const std::vector<Obstacle>& obstacles) {
     const double x = grid.x0 + static_cast<double>(cell % grid.columns) * grid.step_x;
     const std::size_t row = cell / grid.columns;
@@ -86,8 +86,8 @@ DangerRecord::DangerRecord(const Scene& scene, std::size_t agents, double window
       momentum_(cells_.size()) {
     for (std::size_t c = 0; c < cells_.size(); ++c) {
         const double free = free_share(grid_, c, scene.obstacles);
-        // Of a cell that obstacles fill but for a quarter all counts, as the little water in what is left, or over the
-        // obstacles, would count too much.
+        // A cell that is less than a quarter free counts as a whole. Otherwise the little water in the rest, or over
+        // the obstacles, would count too much.
         const double counted = free < 0.25 ? 1 : free;
         mass_of_depth_.push_back(rest_density_ * counted * grid_.step_x * grid_.step_z);
         filled_.push_back(free < 1e-9);
@@ -105,7 +105,7 @@ void DangerRecord::sum_up(const WaterView& water) {
         const Vector2d velocity(water.scale_x * static_cast<double>(water.vx[i]),
                                 water.scale_z * static_cast<double>(water.vz[i]));
         footprints.deal(x, z, mass, [&](std::size_t met, double share, std::size_t own) {
-            // Water beside an obstacle stands on its own side of the face.
+            // Water beside an obstacle stays on its own side of the face.
             const std::size_t cell = filled_[met] ? own : met;
             mass_[cell] += share * mass;
             momentum_[cell] += share * mass * velocity;

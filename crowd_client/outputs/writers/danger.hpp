@@ -1,12 +1,13 @@
 #pragma once
-// The levels of danger that the water reached, cell by cell and agent by agent.
+// Danger levels of the water, cell by cell and agent by agent.
 //
-// A cell of 2 x 2 m holds a few particles, so that its depth of one moment scatters. Depth and discharge are therefore
-// averaged over blocks of time, for an agent along its way, and levels are those of the means:
+// A cell of 2 x 2 m holds a few particles, so that its depth at one moment scatters. Depth and discharge are therefore
+// averaged over blocks of time, for an agent along its path. The levels follow from these means:
 //
-//   depth h = mean of sum w m / (rho A)     discharge q = mean of sum w m v / (rho A)     speed |q| / h, depth times speed |q|
+//   depth h = mean of sum w m / (rho A)     discharge q = mean of sum w m v / (rho A)
+//   speed |q| / h                           depth times speed |q|
 //
-// m, v of the particles, w the part of each that lies in the cell (footprint.hpp), A the area of the cell without obstacles,
+// m, v of the particles, w the fraction of each in the cell (footprint.hpp), A the area of the cell without obstacles,
 // rho the rest density of the water.
 
 #include <array>
@@ -29,7 +30,7 @@ namespace wade::crowd {
 // The name as it is written to files.
 [[nodiscard]] std::string_view danger_name(DangerLevel level);
 
-// What one place or one person met.
+// Exposure of one cell or one person.
 struct Exposure {
     DangerLevel largest = DangerLevel::none;
     double max_depth = 0, max_speed = 0, max_depth_speed = 0;  // of block means: m, m/s, m2/s
@@ -46,7 +47,7 @@ struct Exposure {
 // Adds a step: the water's depth, m, and discharge, m2/s.
 void add_step(Exposure& exposure, double depth, const Vector2d& discharge, std::uint64_t block_steps);
 
-// Closes an open block. One that is shorter than a block counts in the level of the block before, if there is one.
+// Closes an open block. A block shorter than block_steps counts in the level of the block before, if there is one.
 void close_block(Exposure& exposure, std::uint64_t block_steps);
 
 // Cells of about 2 x 2 m, 1.33 to 2.67 m, that fill the channel exactly, so that no bank cuts any; at most a million.
@@ -57,7 +58,7 @@ class DangerRecord {
     // window: length of a block, s; at least a step is taken.
     DangerRecord(const Scene& scene, std::size_t agents, double window);
 
-    // Adds the water of a step, and what the active agents meet of it where they now stand.
+    // Adds the water of a step, in the cells and at the current positions of the active agents.
     void add(const Agents& agents, std::span<const std::uint32_t> active, const WaterView& water);
     void close();  // at the end of the run
 
@@ -76,7 +77,7 @@ class DangerRecord {
     std::vector<double> mass_of_depth_;  // kg of water in a cell for a metre of depth
     std::vector<bool> filled_;           // by an obstacle
     std::vector<Exposure> cells_, agents_;
-    std::vector<double> mass_;  // of the step at hand, kg
+    std::vector<double> mass_;  // of the current step, kg
     std::vector<Vector2d> momentum_;
 };
 
@@ -88,7 +89,7 @@ constexpr const char* exposure_columns = "none_s,low_s,moderate_s,high_s,very_hi
 // times. The maxima are each for itself.
 [[nodiscard]] std::string danger_csv(const DangerRecord& record);
 
-// danger.csv. Keeps the record up to date for others, too.
+// danger.csv. Also updates the record for other outputs.
 class DangerFile final : public OutputWriter {
  public:
     explicit DangerFile(const OutputPlace& place) : file_(place.folder / "danger.csv"), record_(place.danger) {}

@@ -17,7 +17,7 @@ void add_whole(std::string& row, long long value) {
     row.append(buffer, std::to_chars(std::begin(buffer), std::end(buffer), value).ptr);
 }
 
-// A number rounded to thousandths, without zeros at its end.
+// Appends a number rounded to thousandths, without zeros at its end.
 void add_number(std::string& row, double value) {
     const long long all = std::llround(value * 1000), size = std::abs(all);
     row += all < 0 ? ",-" : ",";
@@ -30,7 +30,7 @@ void add_number(std::string& row, double value) {
     row.append(digits, digits[2] != '0' ? 3 : digits[1] != '0' ? 2 : 1);
 }
 
-// Whom each holds, ids ascending.
+// Pairs of linked agents, ids ascending.
 struct Hand {
     std::uint32_t id, held;
     auto operator<=>(const Hand&) const = default;  // NOLINT(modernize-use-nullptr): a 0 of the compiler
@@ -45,7 +45,7 @@ std::vector<Hand> hands_of(const std::vector<Link>& links) {
     return all;
 }
 
-// Ids with a blank between.
+// Appends the ids of linked agents with a blank between.
 void add_hands(std::string& row, std::span<const Hand> hands, std::uint32_t id) {
     char before = ',';
     for (auto hand = std::lower_bound(hands.begin(), hands.end(), Hand{id, 0}); hand != hands.end() && hand->id == id;
@@ -61,7 +61,7 @@ void add_row(std::string& rows, const CrowdWorld& crowd, std::uint32_t id, std::
     const World& world = crowd.scene.world;
     const Vector2d& place = crowd.agents.position[id];
     const Pose& pose = crowd.poses[id];
-    add_number(rows, std::clamp(place.x(), 0.0, world.length));  // who was carried over the fall left there
+    add_number(rows, std::clamp(place.x(), 0.0, world.length));  // an agent swept over the outfall ends at the edge
     add_number(rows, std::clamp(place.y(), 0.0, world.width));
     rows.append(",").append(state_name(crowd, id));
     rows.append(",").append(postures[static_cast<std::size_t>(pose.posture)]);
@@ -76,7 +76,7 @@ void add_row(std::string& rows, const CrowdWorld& crowd, std::uint32_t id, std::
     rows += '\n';
 }
 
-// A vector, or two empty fields.
+// Appends a vector, or two empty fields.
 void add_pair(std::string& row, bool is_there, const Vector2d& v) {
     if (!is_there) {
         row += ",,";
@@ -86,13 +86,13 @@ void add_pair(std::string& row, bool is_there, const Vector2d& v) {
     add_number(row, v.y());
 }
 
-// A number, or an empty field.
+// Appends a number, or an empty field.
 void add_if(std::string& row, bool is_there, double v) {
     if (is_there) return add_number(row, v);
     row += ',';
 }
 
-// Place k of the lists of the step belongs to `id`.
+// Appends the terms of `id`, which has index k in the lists of the step.
 void add_terms(std::string& rows, const CrowdWorld& crowd, std::uint32_t id, std::size_t k) {
     const Agents& agents = crowd.agents;
     const People& people = agents.people;
@@ -170,7 +170,7 @@ void TermsFile::on_step(const CrowdWorld& crowd, const WaterView&) {
     const Agents& agents = crowd.agents;
     std::size_t k = 0;
     for (std::uint32_t id = 0; id < agents.size(); ++id) {
-        // The lists hold who was active as the last part of the step began.
+        // The lists hold the agents that were active as the last part of the step began.
         const bool ended_now = agents.end_step[id] == crowd.steps && agents.end_before[id] == 0;
         if (agents.outcome[id] != Outcome::active && !ended_now) continue;
         rows_ += begin;

@@ -1,6 +1,6 @@
 #pragma once
-// What animators and viewers read, frame by frame: poses.csv, how everybody holds itself, ragdoll.csv, whom the water tumbles, and
-// terms.csv, what moves everybody.
+// Outputs for animators and viewers, frame by frame: poses.csv with the pose of each person, ragdoll.csv with the
+// agents that the water tumbles, and terms.csv with the terms of each person's motion.
 
 #include <cstdint>
 #include <filesystem>
@@ -47,15 +47,15 @@ class Ragdolls final : public OutputWriter {
     std::uint64_t steps_per_frame_;
 };
 
-// A row for each person on its way and frame, and one more for whoever has ended, in the first frame since then. Frame 0 is the
-// start. A text table, as any program of an animator reads it and a killed run keeps all its frames whole; rounded to thousandths,
-// which takes 87 bytes a row instead of some 200.
+// A row for each active person and frame, and one more for a person that has ended, in the first frame since then.
+// Frame 0 is the start. A text table suits any program of an animator, and a killed run keeps all its frames whole.
+// Numbers are rounded to thousandths, which takes 87 bytes a row instead of some 200.
 class PoseFile {
  public:
     // Empties it; in a site its rows end with the height of the ground. Throws OutputError.
     PoseFile(const std::filesystem::path& file, bool in_a_site);
 
-    // Appends the frame of the crowd as it is, with who has ended in a step after `after`. Throws OutputError.
+    // Appends the current frame of the crowd, with people that ended in a step after `after`. Throws OutputError.
     void write(std::uint64_t frame, const CrowdWorld& crowd, std::uint64_t after);
 
  private:
@@ -74,7 +74,7 @@ class Poses final : public OutputWriter {
     void on_step(const CrowdWorld& crowd, const WaterView&) override {
         if (crowd.steps % steps_per_frame_ == 0) write(crowd);
     }
-    // The last poses of all are written, too, unless the file takes no more.
+    // Also writes the last poses of all, unless the file takes no more.
     void finish(const RunView& run) override {
         if (is_whole_ && run.crowd.steps > last_step_) write(run.crowd);
     }
@@ -93,8 +93,8 @@ class Poses final : public OutputWriter {
     bool is_whole_ = true;  // nothing went wrong so far
 };
 
-// terms.csv: a row for each person who was on its way in the last part of the step, with what Eq. 5 to 9 and the body have made its
-// velocity of. Empty where the response does not use a term.
+// terms.csv: a row for each person that was active in the last part of the step, with the terms of its velocity from
+// Eq. 5 to 9 and from the body. Empty if the response does not use a term.
 class TermsFile final : public OutputWriter {
  public:
     explicit TermsFile(const OutputPlace& place);

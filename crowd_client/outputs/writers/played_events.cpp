@@ -26,7 +26,7 @@ void check_target(const CrowdWorld& crowd, const TauCommand& command) {
                              "\"; allowed: " + (known.empty() ? "none" : known) + ".");
 }
 
-// The last frame whose events hold from `step` on, or from the first step after it that has such a frame.
+// Returns the last frame with events that hold from `step` on, or from the first later step with such a frame.
 std::uint64_t last_frame_of_step(const Scene& scene, std::uint64_t step) {
     std::uint64_t lo = 0;  // its step is below `step`
     std::uint64_t hi = 1;

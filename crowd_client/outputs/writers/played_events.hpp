@@ -13,12 +13,12 @@
 
 namespace wade::crowd {
 
-// The event that a command becomes: it holds from the crowd's next step on, or the first after it with which a frame of
-// the scene begins, and acts after the scene's own events of that step.
+// Returns the event of a command. It holds from the crowd's next step on, or from the first later step that begins a
+// frame of the scene. It acts after the scene's own events of that step.
 // Throws ConfigurationError for an agent or a group that the scene does not have.
 [[nodiscard]] TauEvent event_of(const CrowdWorld& crowd, const TauCommand& command);
 
-// Adds an event that no step was taken with yet.
+// Adds an event that acts in none of the steps taken so far.
 void add_event(CrowdWorld& crowd, const TauEvent& event);
 
 // One line of JSON, an element of the scene's `events`.
@@ -27,8 +27,8 @@ void add_event(CrowdWorld& crowd, const TauEvent& event);
 // The resolved scene with further events at the end of its list.
 [[nodiscard]] std::string scene_with_events(const std::string& canonical_scene, std::span<const TauEvent> events);
 
-// events.jsonl: each tau command as an event of the scene, absent if there was none. scene_as_played.json: the scene with
-// these events, which repeats the run; rewritten as a whole after the step that obeys new ones, however many they are.
+// events.jsonl: each tau command as an event of the scene, absent if there was none. scene_as_played.json: the scene
+// with these events, which repeats the run; rewritten as a whole after each step with new events.
 class EventsFile final : public OutputWriter {
  public:
     explicit EventsFile(const OutputPlace& place)

@@ -31,7 +31,7 @@ Json hash_or_null(std::uint64_t hash) {
     return hash != 0 ? Json(hash_text(hash)) : Json(nullptr);
 }
 
-// A counter that may not have been given: 0 means so, unless the producer gave other figures.
+// A counter that the producer may not give: 0 means missing, unless the producer gave other figures.
 Json counter(std::uint64_t value, bool given) {
     return given ? Json(value) : Json(nullptr);
 }
@@ -84,19 +84,20 @@ Json states_json(const CrowdWorld& crowd) {
     return states;
 }
 
-// Who was on its feet, and strained, in water beyond that of the flumes, and for how long.
+// Counts the people that were on their feet and strained in water beyond the range of the flumes, and sums up their
+// time.
 Json beyond_json(const People& people) {
     const auto is_beyond = [](double time) { return time > 0; };
     return {{"people", std::count_if(people.beyond.begin(), people.beyond.end(), is_beyond)},
             {"time_s", std::accumulate(people.beyond.begin(), people.beyond.end(), 0.0)}};
 }
 
-// What the water brought somebody to who answers it by the body; nothing of who answers by tau.
+// Returns the worst state of a person with a response of the body; empty for a person with a response by tau.
 std::string_view worst_state(const People& people, std::size_t id) {
     return people.by_body[id] != 0 ? person_states[static_cast<std::size_t>(people.worst[id])] : "";
 }
 
-// How the last drift ended; "adrift" while it goes on.
+// Returns how the last drift ended; "adrift" while it goes on.
 std::string_view drift_end(const CrowdWorld& crowd, std::size_t id) {
     const Condition& condition = crowd.agents.people.condition[id];
     switch (condition.drift.end) {

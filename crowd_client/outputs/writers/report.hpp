@@ -1,5 +1,5 @@
 #pragma once
-// outcome.json, agents.csv and manifest.json: their texts, and the outputs that keep them.
+// outcome.json, agents.csv and manifest.json: functions for their texts, and their output classes.
 
 #include <string>
 
@@ -9,7 +9,7 @@
 
 namespace wade::crowd {
 
-// outcome.json; what is not known is null.
+// Returns the text of outcome.json; unknown values are null.
 [[nodiscard]] std::string outcome_json(const CrowdWorld& crowd, const RunSummary& summary, const RunLabels& labels);
 
 // agents.csv: id,group,outcome,time_s,x_m,z_m,tau,mass_kg,path_length_m,max_depth_m,max_dv_m2_s,mean_depth_m,mean_dv_m2_s,state,

@@ -1,5 +1,5 @@
 #pragma once
-// trajectories.sqlite: where everybody was, frame by frame (trajectory_file.hpp).
+// trajectories.sqlite: positions of all agents, frame by frame (trajectory_file.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +21,7 @@ class Trajectories final : public OutputWriter {
     void on_step(const CrowdWorld& crowd, const WaterView&) override {
         if (crowd.steps % steps_per_frame_ == 0) write(crowd);
     }
-    // The last places of all are written, too, unless the file takes no more.
+    // Also writes the last positions of all agents, unless the file takes no more.
     void finish(const RunView& run) override {
         if (is_whole_ && run.crowd.steps > last_step_) write(run.crowd);
         file_.close();

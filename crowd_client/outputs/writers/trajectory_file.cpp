@@ -54,12 +54,12 @@ void remove_old(const std::filesystem::path& file) {
 
 constexpr int rows_at_once = 50;
 
-// Where an agent is, or where he left the world.
+// Returns the position of an agent, or the point where it left the world.
 Vector2d place_in(const World& world, const Vector2d& p) {
     return {std::clamp(p.x(), 0.0, world.length), std::clamp(p.y(), 0.0, world.width)};
 }
 
-// What came of an attempt to write.
+// Result of an attempt to write.
 enum class Access { written, locked, gone };
 
 struct TrajectoryFile::Database {
@@ -97,7 +97,7 @@ struct TrajectoryFile::Database {
         if (code != SQLITE_OK && code != SQLITE_DONE && code != SQLITE_ROW) fail(code);
     }
     [[nodiscard]] int try_to(const char* sql) const {
-        errno = 0;  // SQLite itself does not tell of all errors what the system said
+        errno = 0;  // SQLite itself does not report the system's error in all cases
         return sqlite3_exec(handle, sql, nullptr, nullptr, nullptr);
     }
     void run(const std::string& sql) const { check(try_to(sql.c_str())); }
@@ -124,7 +124,7 @@ struct TrajectoryFile::Database {
         int moved = 0;
         return sqlite3_file_control(handle, "main", SQLITE_FCNTL_HAS_MOVED, &moved) == SQLITE_OK && moved != 0;
     }
-    // All rows or none; wait: how long for who has the file locked, s.
+    // Writes all rows or none; wait: time to wait for a lock of another program, s.
     [[nodiscard]] Access write(const PathRows& kept, double wait) const;
     void insert(const PathRows& kept) const;
     void insert_rows(sqlite3_stmt* statement, std::span<const PathRows::Row> rows) const;
@@ -137,7 +137,7 @@ TrajectoryFile::Database::Database(const std::filesystem::path& its_file, const 
         // Without a lock for each call, as one thread at a time uses it.
         constexpr int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
         check(sqlite3_open_v2(file.c_str(), &handle, flags, nullptr));
-        sqlite3_busy_timeout(handle, 2000);  // ms, for who opens the file the moment it is there
+        sqlite3_busy_timeout(handle, 2000);  // ms, for a program that opens the file at once
         // A log instead of a journal: a frame costs one append, not a flush to the disk. A crash of the process loses
         // nothing that was written, a power cut at most the last frames.
         // The empty file itself needs no journal.
@@ -256,7 +256,7 @@ void TrajectoryFile::write(std::uint64_t frame, const Agents& agents, std::uint6
     if (is_gone_ || kept_.rows.size() + kept_.frames.size() > limits_.kept_rows) spill();
 }
 
-// What the disk does not take is lost, as it would be after a crash; all before it is whole.
+// Frames that the disk does not take are lost, as after a crash; all frames before them are whole.
 void TrajectoryFile::flush() {
     try {
         const Access access = database_->write(kept_, 0);
@@ -295,7 +295,7 @@ void TrajectoryFile::close() {
     warn_of_rest();
 }
 
-// Needs the file for itself for a moment; who only looks into it is gone soon.
+// Needs the file for itself for a moment; programs that only read it are gone soon.
 void TrajectoryFile::fold() {
     database_->finalize();
     constexpr int attempts = 10;
@@ -310,7 +310,7 @@ void TrajectoryFile::fold() {
         database_->check(code);
         return pack();
     }
-    // As much as can be goes into the file itself.
+    // Moves as much as possible into the file itself.
     sqlite3_wal_checkpoint_v2(database_->handle, nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
     if (!warn_) return;
     const std::string name = file_.string();
@@ -318,8 +318,8 @@ void TrajectoryFile::fold() {
           "-wal', which stays beside it until that program closes it");
 }
 
-// Into a file beside it, which then takes its place: whatever happens, one of them is whole. Without space for both it stays
-// as it is.
+// Packs into a file beside it, which then replaces it: one of them is always whole. Without space for both the file
+// stays as it is.
 void TrajectoryFile::pack() {
     constexpr std::uintmax_t worth_it = 1 << 20;  // bytes
     std::error_code error;

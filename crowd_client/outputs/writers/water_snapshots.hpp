@@ -23,7 +23,7 @@ namespace wade::crowd {
 
 class WaterSnapshots {
  public:
-    // Cells of 0.5 m, or larger where the particles or the number of cells ask for it. Throws OutputError.
+    // Uses cells of 0.5 m, or larger ones if the particles or the number of cells require it. Throws OutputError.
     WaterSnapshots(const std::filesystem::path& file, const Scene& scene);
 
     // Appends one record. Throws OutputError.
@@ -46,7 +46,8 @@ class WaterPictures final : public OutputWriter {
           steps_between_(
               static_cast<std::uint64_t>(std::max(1LL, std::llround(place.kept.water_interval / place.crowd.dt)))) {}
 
-    // After the first and the last step, too, so that any time of the run has a picture at most one interval away.
+    // Also writes after the first and the last step, so that any time of the run has a picture at most one interval
+    // away.
     void on_step(const CrowdWorld& crowd, const WaterView& water) override {
         const bool due = crowd.steps == 1 || crowd.steps % steps_between_ == 0;
         if (due || run_is_over(crowd)) file_.write(crowd.steps, time_of(crowd), water);
