@@ -68,8 +68,9 @@ class FluidModel {
     // Width of the columns that a frame holds along x and z, m (shm::StreamInfo::column_width).
     [[nodiscard]] virtual std::array<double, 2> column_width() const { return {}; }
 
-    // Before the first frame: the same model in several processes works as one, of which the first has the water of all
-    // after advance_frame() and alone writes frames and results. Throws ConfigurationError where a model or a scene cannot.
+    // Call before the first frame: the same model in several processes then works as one. After advance_frame() the
+    // first process has the water of all, and it alone writes frames and results. Throws ConfigurationError if a model
+    // or a scene cannot be spread.
     virtual void spread_over(Ranks& ranks) {
         static_cast<void>(ranks);
         throw ConfigurationError("/fluid/model is " + std::string(name()) +

@@ -1,4 +1,4 @@
-// fluid_server SCENE.json: computes the water of a scene and sends it, frame by frame, to those who joined its session.
+// fluid_server SCENE.json: computes the water of a scene and sends it, frame by frame, to the programs in its session.
 
 #include <omp.h>
 
@@ -43,15 +43,15 @@ ProgramDescription description() {
         server_options(), "none: no log; what a failure leaves goes here"};
 }
 
-// What stands between the scene and its run, the same for a run and for --check, which so says all that a run would say.
+// A scene prepared for its run. A run and --check call the same prepare(), so that --check prints all that a run would.
 struct Prepared {
     std::vector<std::string> lines;  // what was chosen and why, and where the water goes on from
     Estimate estimate;
     std::unique_ptr<fluid::FluidModel> model;
 };
 
-// A scene whose model is "auto" becomes the one that is chosen for it. Throws ConfigurationError for all that cannot run,
-// memory that is not there before any is taken. ranks: null, or those that the water is spread over.
+// Replaces a scene with the model "auto" by the scene with the chosen model. Throws ConfigurationError if the scene
+// cannot run; checks the memory before it allocates any. ranks: null, or the ranks that the water is spread over.
 Prepared prepare(ProgramStart& start, Ranks* ranks) {
     Prepared prepared;
     const RunOptions& options = start.options;
@@ -95,7 +95,7 @@ void answer(ProgramStart& start, Ranks* ranks) {
     for (const std::string& line : lines) std::cout << line << '\n';
 }
 
-// Returns the exit code of what fails before anybody could join; later errors pass through.
+// Returns the exit code of an error before any consumer could join, else 0; later errors pass through.
 int run(ProgramStart& start, Console& console, Ranks* ranks) {
     if (start.options.threads > 0) omp_set_num_threads(start.options.threads);
     Prepared prepared;

@@ -1,6 +1,7 @@
 #pragma once
-// A model's work spread over processes, ranks, of which the first is the server that crowds see. All call these in the same
-// order. Errors: RunError, with peer_dead where a rank has died, or the code of the signal that asked to stop.
+// Domain decomposition of a model over processes, the ranks. The first rank is the server that crowds see. All ranks
+// call these functions in the same order. Errors: RunError, with peer_dead if a rank has died, or the code of the
+// signal that asked to stop.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +13,7 @@ namespace wade::fluid {
 
 class Ranks {
  public:
-    // What goes to a neighbour and comes from it; rank -1: nobody is there. Lower and upper may be the same rank.
+    // Data sent to a neighbour and received from it; rank -1: no neighbour. Lower and upper may be the same rank.
     struct Neighbour {
         int rank = -1;
         std::span<const double> to;

@@ -33,7 +33,7 @@ std::uint32_t columns_along(const Interval& extent, double spacing) {
 // Returns the area of the houses of a site by column, m2; overlaps count as often. columns: their number along x.
 void take_houses(const Site& site, const Interval& x, const Interval& z, std::uint32_t nx, std::uint32_t nz,
                  std::vector<double>& ground) {
-    constexpr int along = 4;  // points in a column at which houses are looked for
+    constexpr int along = 4;  // sample points along each side of a column, to find houses
     const double dx = x.length() / nx, dz = z.length() / nz, part = dx * dz / (along * along);
     const auto columns = [](double lo, double hi, double begin, double width, std::uint32_t n) {
         const auto at = [&](double v) {

@@ -4,14 +4,14 @@
 //
 //   du/dt = - k u,   k = g n^2 |U| / h^(4/3)
 //
-// n: Manning's coefficient, s/m^(1/3), 0 to 1; h: depth of the column of water in which a particle is, m; U: its mean
-// horizontal velocity, m/s. On a slope S a wide uniform stream so reaches U = h^(2/3) S^(1/2) / n.
+// n: Manning's coefficient, s/m^(1/3), 0 to 1; h: depth of the water column round a particle, m; U: the mean horizontal
+// velocity of the column, m/s. A wide uniform stream on a slope S therefore reaches U = h^(2/3) S^(1/2) / n.
 //
-// The friction is averaged over the depth: it acts on all particles of a column alike, so that it makes no profile of
-// velocities and no turbulence. A column stands on a cell of the ground about four spacings wide; its depth is the volume
-// of its particles over the ground in the cell that no obstacle taller than the water, and no house of a site, covers. On a
-// raised bed the depth is that of the water above it. A film thinner than half a spacing has the friction of half a spacing.
-// On a site n is that in the middle of the cell.
+// The friction is depth-averaged: it acts on all particles of a column alike, so that it creates no velocity profile
+// and no turbulence. A column stands on a cell of the ground about four spacings wide; its depth is the volume of its
+// particles over the ground in the cell that no obstacle taller than the water, and no house of a site, covers. On a
+// raised bed the depth is that of the water above it. A film thinner than half a spacing has the friction of half a
+// spacing. On a site n is that in the middle of the cell.
 
 #include <cstddef>
 #include <cstdint>
@@ -60,7 +60,7 @@ class WaterColumns {
     Interval x_, z_;          // m
     float columns_per_m_x_, columns_per_m_z_;
     std::uint32_t nx_, nz_;
-    std::vector<double> ground_;  // area on which a column stands, m^2
+    std::vector<double> ground_;  // ground area of each column, m^2
     std::vector<bool> solid_;
     std::vector<Column> columns_;
     std::vector<std::uint32_t> column_of_;

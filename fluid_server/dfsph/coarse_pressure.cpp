@@ -34,7 +34,7 @@ constexpr int most_iterations = 30;
 // Of the diagonal of a line: added, and left at least, so that rounding makes none negative.
 constexpr float ridge = 1e-4F, least_pivot = 1e-6F;
 
-constexpr std::size_t cells_at_once = 1024;  // whose elements are kept until they are added
+constexpr std::size_t cells_at_once = 1024;  // cells per batch; their matrix elements are stored until they are added
 
 constexpr std::size_t self = 13;  // of the entries of a row; below it, above it: one less, one more
 

@@ -1,9 +1,9 @@
 #pragma once
-// The long waves of the pressure of deep water: a correction on a coarse Cartesian grid, from what a solve has left.
+// Two-level pressure solve for deep water: a correction on a coarse Cartesian grid for the long waves of the error.
 //
 // A Jacobi iteration (dfsph.hpp) carries pressure no further than a support radius, so that water of n layers takes
-// iterations in the order of n. What it leaves is smooth, and smooth pressure needs few numbers: one at each node of a grid
-// whose cells are a few spacings long (two-grid iteration, Brandt 1977; with the coarse matrix of Galerkin, which needs no
+// iterations in the order of n. The error that it leaves is smooth and needs few unknowns: one at each node of a grid
+// with cells a few spacings long (two-grid iteration, Brandt 1977; with the Galerkin coarse matrix, which needs no
 // discretisation of its own at the surface).
 //
 // W13. Let G p be the accelerations a_i(p) of W7. Sums over pairs are antisymmetric, so that the density rate of a velocity is
@@ -11,8 +11,9 @@
 //
 //   A p = b,   A = -dt^2 D G = dt^2 G^T G,
 //
-// symmetric, and positive but for a pressure that moves nothing. Among all pressures p + sum_k e_k P_k that one is nearest to
-// the solution, by the energy of the error, whose residual r = b - A p is orthogonal to each P_k (Galerkin):
+// symmetric, and positive but for a pressure that moves nothing. Among all pressures p + sum_k e_k P_k the one nearest
+// to the solution, in the energy norm of the error, has a residual orthogonal to each P_k (Galerkin). With the residual
+// r = b - A p of p,
 //
 //   sum_l (P_k . A P_l) e_l = P_k . r,   P_k . A P_l = dt^2 sum_i (G P_k)_i . (G P_l)_i.
 //
@@ -23,11 +24,12 @@
 //   (G P_k)_i = - sum_j (m_i N_k(x_i) + m_j N_k(x_j)) g_ij
 //             ~ - ( N_k(x_i) c_i + m_i grad N_k(x_i) ),     c_i = m_i sum_j g_ij + sum_j m_j g_ij.
 //
-// c_i is exact, vanishes inside and points out of the water at its surface: there it says that a hat that does not vanish is
-// a jump of the pressure to zero, so that the matrix knows the free surface. Particles whose velocity is given have no row in G.
+// c_i is exact, vanishes inside and points out of the water at its surface: there a hat that does not vanish is a jump
+// of the pressure to zero, and c_i brings the free surface into the matrix. Particles with a prescribed velocity have
+// no row in G.
 //
-// A node with less water than a share of what a node inside has is left out, e_k = 0: in the gradients of a few particles c_i N_k + grad N_k may
-// cancel, the matrix is then singular, and its solution throws them away.
+// A node with less water than a fraction of that of an interior node is left out, e_k = 0. In the gradients of a few
+// particles c_i N_k + grad N_k may cancel; the matrix is then singular, and its solution ejects these particles.
 //
 // The matrix couples a node to its 26 neighbours. It is solved by conjugate gradients, with the vertical lines of nodes, along
 // which the weight of the water goes down, solved exactly as preconditioner.

@@ -33,11 +33,11 @@ constexpr double usual_layers = 10;
 constexpr float gap_closing = 0.1F;
 
 // A Jacobi iteration finds the short waves of the pressure at once and the long ones of deep water last. From this
-// iteration on a solve goes on in the direction in which its pressure moved (Nesterov 1983, as Beck and Teboulle 2009 have
-// it for what must not be negative), from the pressure q of an iteration to
+// iteration on a solve adds momentum (Nesterov 1983, in the form of Beck and Teboulle 2009 for non-negative unknowns).
+// From the pressure q of an iteration it goes to
 //   q' = max(0, y + omega error / (dt^2 A)),   y' = q' + beta (q' - q),
-// whose beta grows from 0 towards 1. It begins anew once that leads back (O'Donoghue and Candes 2015) or the error grows, as
-// it would for ever in water that is crushed.
+// where beta grows from 0 towards 1. The momentum restarts once it leads back (O'Donoghue and Candes 2015) or the error
+// grows, as it would without end in crushed water.
 constexpr int first_with_momentum = 4;
 constexpr int first_with_momentum_deep = 1;  // with two levels: 0.5 sweeps a step fewer at 80 layers
 
@@ -51,8 +51,9 @@ constexpr double most_in_a_block = 5;
 // iterations that it spares.
 constexpr double one_level_up_to = 32;
 
-// With two levels the tolerance of the divergence solve shrinks with the square of the layers for means over the water round a node of the
-// coarse grid, which add up over the depth, and with this power for the mean over single particles, most of which has no sign.
+// With two levels the divergence solve has two tolerances. The tolerance of the means round a node of the coarse grid
+// shrinks with the square of the number of layers, because these means add up over the depth. The tolerance of the mean
+// over single particles shrinks with this power, because most of that error has no sign.
 constexpr double power_of_particles = 1.25;
 
 // What it is at most with two levels. With 0.005 the lattice of 200 layers still broke when it buckled, and that of 50 with 0.01.
@@ -178,7 +179,7 @@ double total_of(const BlockSums<double>& sums) {
     return sums.total([](double& sum, double of_block) { sum += of_block; });
 }
 
-// Mean over the block in which it is largest; the last block, of a few particles perhaps, counts as if it were whole.
+// Returns the largest mean over a block. The last block may have few particles, but its sum is divided by a full block.
 double worst_mean_of(const BlockSums<double>& sums) {
     return sums.total([](double& worst, double of_block) { worst = std::max(worst, of_block); }) /
            static_cast<double>(block_size);
@@ -306,7 +307,7 @@ bool PressureSolver::place_long_waves(const Particles& p, const PressureSolve& s
     return true;
 }
 
-// The accelerations, of which the iteration has made density rates, give their room to c_i.
+// Stores c_i in the arrays of the accelerations, which the iteration has already turned into density rates.
 void PressureSolver::build_long_waves(const PressureSystem& system) {
     ParticleFields& f = system.fields;
     const VectorArrays open = accelerations(f);

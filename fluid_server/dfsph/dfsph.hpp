@@ -78,9 +78,9 @@ class PressureSolver {
     // open_surface_density: below this density, as a fraction, a particle has an open side and may be compressed: the
     //     divergence solve leaves it alone.
     // relaxation: of the Jacobi iteration.
-    // confined: the water fills its space and has no open side. The pressure is then known up to a constant and the system
-    //     can only be solved for sources whose mean is zero; the mean, that of an SPH density over disordered particles,
-    //     is subtracted.
+    // confined: the water fills its space and has no open side. The pressure is then known up to a constant and the
+    //     system can only be solved for sources with zero mean. The mean of the sources, that of an SPH density over
+    //     disordered particles, is subtracted.
     // inflow_is_carried: Kind::inflow is carried by a stream that gives it velocity and pressure. The solve that finds
     //     velocities keeps that pressure: particles that cannot yield would gather more and more of it, and burst into
     //     those beside them that can. The density solve, where it moves positions only, moves Kind::inflow as well: its
@@ -107,8 +107,8 @@ class PressureSolver {
     SolveResult solve_divergence(const PressureSystem& system, float dt, float step_share,
                                  const PressureSolve& settings);
 
-    // Finds the accelerations fields.ax, ay, az by which the densities after dt do not exceed rest density, and leaves
-    // the velocities as they are.
+    // Finds accelerations fields.ax, ay, az such that the densities after dt do not exceed rest density. Leaves the
+    // velocities as they are.
     SolveResult solve_density(const PressureSystem& system, DensitySolve what, float dt, const PressureSolve& settings);
 
  private:

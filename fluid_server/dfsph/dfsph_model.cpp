@@ -27,7 +27,7 @@ bool is_sound(const StepReport& step, const Fluid& fluid) {
     return step.mean_density_error <= 0.01 && step.max_displacement <= 0.5 * fluid.particle_spacing;
 }
 
-// Layers of particles whose packing settles unnoticed under their weight (tests/stability, deep_column).
+// Up to this many layers the particle packing settles unnoticed under its weight (tests/stability, deep_column).
 constexpr double quiet_layers = 20;
 
 }  // namespace

@@ -45,8 +45,8 @@ class DfsphModel final : public FluidModel {
     std::optional<WaterColumns> columns_;
     std::optional<FloodMaps> maps_;
     PeopleInWater people_;
-    // The state at the begin of the frame, and the last such state before it from which the water could go on well. One
-    // copy a frame, 33 bytes a particle, 0.1 % of the CPU time of a frame; the second costs a swap.
+    // The state at the start of the frame, and the last sound one before it: a run can continue from it with better
+    // settings. One copy a frame, 33 bytes a particle, 0.1 % of the CPU time of a frame; the second costs a swap.
     FluidState kept_;
     FluidState sound_;
     bool kept_is_sound_ = false;

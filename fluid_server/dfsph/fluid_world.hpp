@@ -31,7 +31,7 @@ namespace wade::fluid {
 enum class Stage : std::size_t {
     sort,        // by cell
     people,      // take their impulses
-    neighbours,  // which clusters see whom
+    neighbours,  // neighbour lists of the clusters
     density,     // kernel, density, diagonal, sums of viscosity
     forces,      // viscosity, gravity, friction
     divergence_solve,
@@ -67,8 +67,8 @@ class FluidWorld {
     // Builds the fluid of the scene at t = 0.
     explicit FluidWorld(const Scene& scene) : FluidWorld(scene, nullptr) {}
 
-    // ends: stand in place of those of the scene and outlive the world. The world is empty at first and its channel must
-    // not be periodic along x.
+    // ends: replace the channel ends of the scene and must outlive the world. The world is empty at first and its
+    // channel must not be periodic along x.
     FluidWorld(const Scene& scene, ChannelEnds& ends) : FluidWorld(scene, &ends) {}
 
     // Lets `body` add, remove and change particles; between steps.

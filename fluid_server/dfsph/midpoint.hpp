@@ -1,17 +1,18 @@
 #pragma once
-// Velocities centred in time, of confined water.
+// Time-centred velocities of confined water.
 //
-// Velocities that are made free of divergence at the end of a step lose (dt grad p)^2 / 2 of kinetic energy in it, even
-// where water only turns: an error of first order in dt that feels like viscosity. Confined water has those in the middle
-// of a step made free of divergence instead,
+// Velocities that are made divergence-free at the end of a step lose (dt grad p)^2 / 2 of kinetic energy in it, even in
+// pure rotation: a first-order error in dt that acts like viscosity. In confined water the velocities at the middle of
+// a step are made divergence-free instead,
 //
 //   v_m = v + dt / (1 + theta) (f + a(p)),   D_i(v_m) = 0,     v' = v + (1 + theta) (v_m - v)
 //
-// theta = 1 is the implicit midpoint rule: v' is v mirrored at what is free of divergence (the reflection of Zehnder, Narain
-// and Thomaszewski 2018) and keeps its energy, but also, for ever, what each solve has left over. theta = 0 is the implicit
-// Euler rule, which forgets at once, and whose error is that of dt; that of a theta between them is that of (1 - theta) dt.
+// theta = 1 is the implicit midpoint rule: v' is v reflected at the divergence-free velocities (Zehnder, Narain and
+// Thomaszewski 2018). It conserves energy, but also keeps the residual of each solve for ever. theta = 0 is the
+// implicit Euler rule: it forgets residuals at once and has the error of a step dt. A theta between them has the error
+// of a step (1 - theta) dt.
 //
-// Not for water with a free surface: what falls on a bed would bounce.
+// Not for water with a free surface: water that falls on a bed would bounce.
 
 #include <algorithm>
 #include <vector>
@@ -21,8 +22,8 @@
 
 namespace wade::fluid {
 
-// theta by which the error is that of steps of a tenth of CFL 0.5: 0.9 for steps of CFL 0.5, 0 for those that something
-// else keeps so short. share: dt over a step of CFL 0.5, > 0 and at most 1.
+// Returns the theta that gives the error of steps of a tenth of CFL 0.5: 0.9 for steps of CFL 0.5, 0 if another limit
+// already keeps steps so short. share: dt over a step of CFL 0.5, > 0 and at most 1.
 inline float midpoint_theta(float share) {
     constexpr float share_felt = 0.1F;
     return std::max(0.0F, 1 - share_felt / share);

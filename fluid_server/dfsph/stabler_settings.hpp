@@ -1,5 +1,5 @@
 #pragma once
-// What to change in a scene whose simulation became unstable.
+// Proposes changes of the solver settings of a scene after its simulation became unstable.
 
 #include <string>
 #include <vector>

@@ -11,7 +11,7 @@ namespace wade::fluid {
 
 namespace {
 
-// The time in which something of a speed goes a way, s.
+// Returns the time to travel the distance `way` at `speed`, s; infinity if the speed is 0.
 double time_for(double way, double speed) {
     return speed > 0 ? way / speed : std::numeric_limits<double>::infinity();
 }

@@ -8,9 +8,9 @@ namespace wade::fluid {
 // The CFL number of the step that the tolerance of the divergence solve is meant for.
 inline constexpr double reference_cfl = 0.5;
 
-// What a step may not exceed whatever the CFL number, in spacings. Steps by which pressure can move particles further
-// than 0.6 d tear water of 60 layers apart (tests/stability, deep_column). A particle that goes 0.4 d at the speed it has
-// stays below d/2 when it is accelerated on its way.
+// Limits of the displacement in a step at any CFL number, in spacings. Steps that let pressure move particles further
+// than 0.6 d tear water of 60 layers apart (tests/stability, deep_column). A particle that moves 0.4 d at its current
+// speed stays below d/2 even if it accelerates during the step.
 inline constexpr double pressure_limit = 0.5;
 inline constexpr double way_limit = 0.4;
 
@@ -28,7 +28,7 @@ inline constexpr int runaway = 100;
 struct WaterSpeeds {
     double fastest = 0;  // of what moves particles: of the fastest particle, plane or inflow, m/s
     double wave = 0;     // sqrt(g H) of the scene's depth, m/s: counts in the CFL number
-    // sqrt(g H) of the water as it stands (water_depth.hpp), m/s: the speed at which pressure can set particles in motion; a
+    // sqrt(g H) of the current water depth (water_depth.hpp), m/s: the speed that pressure can give to particles. A
     // step that outruns it extrapolates the density too far and injects energy.
     double pressure = 0;
     double layers = 1;  // of particles in that water
@@ -42,7 +42,7 @@ struct TimeStep {
 // The longest step that all limits allow, at most `remaining` s and a whole part of it.
 [[nodiscard]] TimeStep longest_step(const Fluid& fluid, const WaterSpeeds& speeds, double remaining);
 
-// Largest speed of the planes to which water sticks, m/s.
+// Returns the largest speed of the no-slip walls, m/s.
 [[nodiscard]] double fastest_plane(const Channel& channel);
 
 }  // namespace wade::fluid

@@ -1,14 +1,14 @@
 #pragma once
-// What each cell of a site met since t = 0.
+// Flood maps: the largest values in each cell of a site since t = 0.
 //
-// Depth h and speed v count from 0.01 m of water on: thinner films, whose speeds mean nothing to people, are dry [A]. Each map
-// is the largest of its own value at the ends of frames, not made of the other maps:
+// Depth h and speed v count from 0.01 m of water on: thinner films are dry, because their speeds mean nothing to people
+// [A]. Each map is the maximum of its own value over the ends of frames; it is not computed from the other maps:
 //
 //   max_depth_m h    max_speed_m_s v    max_dv_m2_s h v    arrival_s the first time with water
 //   viseu 0 to 4, arr_h 0 to 6, defra the rating: see configs/numbers/hazard.hpp
 //
-// Walls and ground without height have no value, nor has arrival_s where no water came. Gauges are read at the ends of frames,
-// too, of any depth, in the cell whose centre is nearest to them and that is no wall.
+// Walls and ground without height have no value; arrival_s has none where no water came. Gauges are read at the ends of
+// frames, too, at any depth, in the cell with the nearest centre that is no wall.
 
 #include <cstddef>
 #include <cstdint>

@@ -1,5 +1,5 @@
 #pragma once
-// What water has passed between the particles and the grid, and what one owes the other.
+// Exchange of water between the particles and the grid, and the conservation error that one owes the other.
 //
 // The water of a mixed scene is, in m^3,
 //
@@ -11,8 +11,8 @@
 // deeper or shallower by the same share and keep their velocity. So `all` changes by what enters and leaves the channel, to
 // rounding, and `owed` is the error at any moment: single particles pass, the grid's flux is smooth.
 
-// Momentum in a recirculating channel whose people push is kept as well: what all water has along x changes by what drives it and
-// what people take,
+// Momentum in a recirculating channel with people that push is conserved as well. The momentum of all water along x
+// changes by the driving force and by what people take,
 //
 //   expected += a dt V - J / rho,      owed = expected - grid outside the window - sum_i V_i S(x_i) u_i,      over density, m^4/s
 //

@@ -21,7 +21,7 @@ constexpr double nowhere = -std::numeric_limits<double>::infinity();
 // it: what leaves the window there flies on by itself.
 constexpr double thin = 0.25;
 
-// Drops the particles of which `drop` holds, in stable order.
+// Removes each particle i with drop(i), in stable order.
 template <typename Drop>
 void drop_particles(Particles& p, Drop&& drop) {
     std::size_t kept = 0;

@@ -12,7 +12,7 @@ namespace wade::fluid::mixed {
 
 namespace {
 
-// Calls body(cell, weight) for the cells along one axis whose tents hold the place, in cells from the middle of cell 0.
+// Calls body(cell, weight) for the cells along one axis with a tent over `place`, in cells from the middle of cell 0.
 template <typename Body>
 void for_each_tent(double place, std::ptrdiff_t reach, Body&& body) {
     const auto width = static_cast<double>(reach);

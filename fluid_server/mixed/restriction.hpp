@@ -1,5 +1,5 @@
 #pragma once
-// The water of the window on the grid: what the shallow water around it sees of it.
+// Averages the water of the window onto the grid, for the shallow water around it.
 //
 // The mean of the particles round the middle c of a cell has tent-shaped weights of half width W, whole cells and at least
 // two spacings:
@@ -8,10 +8,10 @@
 //
 //   w = (1 - |x - x_c| / W) (1 - |z - z_c| / W)
 //
-// V_i the volume of a particle; banks, walls and obstacles take their part of the weights away. The cells of the window go
-// on as shallow water and are drawn to these means by the share 1 - exp(-dt / T) in a step of dt, T = W / sqrt(g H), the time
-// in which a wave passes such a mean. So waves leave the window as they are, and the single particles do not shake the grid:
-// with two layers of particles a cell of a spacing squared holds two or three.
+// V_i the volume of a particle; banks, walls and obstacles take their part of the weights away. The cells of the window
+// continue as shallow water and relax to these means by the fraction 1 - exp(-dt / T) in a step of dt.
+// T = W / sqrt(g H) is the time that a wave takes to pass such a mean. So waves leave the window unchanged, and single
+// particles do not disturb the grid: with two layers of particles a cell of a spacing squared holds two or three.
 
 #include <vector>
 

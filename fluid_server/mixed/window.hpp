@@ -44,7 +44,7 @@ class WindowRule {
     [[nodiscard]] bool ends_are_walls() const { return ends_are_walls_; }
 
  private:
-    // The smallest window that spans [begin, end) and whose guards fit.
+    // Returns the smallest window that spans [begin, end) and has room for its guards.
     [[nodiscard]] Window with_room(std::ptrdiff_t begin, std::ptrdiff_t end) const;
     [[nodiscard]] bool guard_meets_obstacle(double from, double to) const;
 

@@ -33,7 +33,7 @@ void MixedWorld::wake(const Window& window) {
     fluid_.change_particles([&](Particles& p) { guards_.fill(p, shallow_); });
     window_ = window;
     const double filled = volume_in_window(fluid_.particles(), ends(), spacing_);
-    const std::size_t e = ends()[1].open ? 1 : 0;  // one from which it can be paid
+    const std::size_t e = ends()[1].open ? 1 : 0;  // an open end, to pay it from
     accounts_[e].owed += volume_of_cells(shallow_, window.begin, window.end) - filled;
 }
 

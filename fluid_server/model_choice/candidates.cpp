@@ -26,7 +26,7 @@ bool same_but_spacing(Settings a, const Settings& b) {
     return a == b;
 }
 
-// The row of a kind that speaks for this spacing: the finest of those that are no finer.
+// Returns the row of a kind for this spacing: the finest row that is no finer than `spacing`; null if there is none.
 const TableRow* row_for(const std::vector<TableRow>& table, WaterKind kind, const Settings& settings, double spacing) {
     const TableRow* best = nullptr;
     for (const TableRow& row : table) {
@@ -133,7 +133,7 @@ std::optional<Candidate> candidate_at(const std::vector<TableRow>& table, const 
 
 LoadedScene scene_as(const LoadedScene& written, const Candidate& candidate) {
     LoadedScene chosen = load_scene_text(written.canonical_json, written.scene.name + ".json", candidate.overrides);
-    chosen.scene.hash = written.scene.hash;  // by which the crowd knows the stream
+    chosen.scene.hash = written.scene.hash;  // the crowd recognises the stream by it
     return chosen;
 }
 

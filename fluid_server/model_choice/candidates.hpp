@@ -18,7 +18,7 @@ inline constexpr double estimate_margin = 1.5;
 struct Candidate {
     Settings settings;   // of the rows of the table that it rests on
     double spacing = 0;  // of the particles, and size of the cells, in this scene, m
-    double median = 0;   // estimated error of the impulse on those who stand, the worst of the scene's kinds of water
+    double median = 0;   // estimated error of the impulse on standing people, the worst of the scene's kinds of water
     double p95 = 0;      // the same of the 95th percentile
     WaterKind worst = WaterKind::river;  // the kind of water that the median is of
     double steps_per_s = 0;              // time steps per simulated second, expected
@@ -42,10 +42,11 @@ struct Candidate {
 [[nodiscard]] std::vector<Candidate> candidates_of(const std::vector<TableRow>& table, const LoadedScene& written,
                                                    const SceneWater& water);
 
-// Those that no other one beats in both cost and median, by cost; of equals the first. None that is refused.
+// Returns the candidates that no other one beats in both cost and median, by cost; of equal ones the first. Leaves out
+// refused ones.
 [[nodiscard]] std::vector<Candidate> front_of(const std::vector<Candidate>& candidates);
 
-// Index of the cheapest whose median is at most `demand`; nothing if there is none.
+// Returns the index of the cheapest candidate with a median of at most `demand`; nullopt if there is none.
 [[nodiscard]] std::optional<std::size_t> choose(const std::vector<Candidate>& front, double demand);
 
 // A few characters: "dfsph, d = 0.2321 m, cfl 1".

@@ -24,9 +24,9 @@ struct ModelChoice {
     return scene.fluid->model == wade::ModelKind::automatic;
 }
 
-// Of a scene whose model is "auto". `source` names it in errors: the file. Throws ConfigurationError if no candidate meets
-// the demand; says the smallest error that can be had and its cost. Depends on the scene and the table
-// alone: work is counted in steps, not in time.
+// Chooses the model of a scene with the model "auto". `source` names it in errors: the file. Throws ConfigurationError
+// if no candidate meets the demand, with the smallest available error and its cost. The choice depends on the scene and
+// the table alone: work is counted in steps, not in time.
 [[nodiscard]] ModelChoice choose_model(const LoadedScene& written, const std::string& source, bool with_pilot = true,
                                        const std::vector<TableRow>& table = measured_table());
 

@@ -1,5 +1,5 @@
 #pragma once
-// A small channel of water like that which people meet, for the pilot. See pilot.hpp for its shapes.
+// A small channel with water like that around the people, for the pilot. See pilot.hpp for its shapes.
 
 #include <string>
 #include <vector>
@@ -9,14 +9,15 @@
 
 namespace wade::fluid::model_choice {
 
-// The patch: a channel whose banks are z = 1 and z = 1 + width.
+// The patch: a channel with banks at z = 1 and z = 1 + width.
 struct Patch {
     double depth = 0, velocity = 0, length = 0, width = 0;
     std::string channel, obstacles;  // JSON
     std::vector<Probe> probes;
 };
 
-// For a kind of water of this depth, m, and velocity, m/s. `spacing`: the coarser one of those that will run it, m.
+// Returns the patch for a kind of water of this depth, m, and velocity, m/s. `spacing`: the coarser of the spacings
+// that will run it, m.
 [[nodiscard]] Patch patch_for(const Scene& scene, WaterKind kind, double depth, double velocity, double spacing);
 
 // The patch as the candidate computes it, over `time` s. Throws ConfigurationError if it cannot be.

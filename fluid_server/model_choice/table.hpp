@@ -37,7 +37,7 @@ struct Settings {
 struct TableRow {
     WaterKind kind = WaterKind::river;
     Settings settings;
-    double impulse_median = 0;      // relative error of the impulse on those who stand, median over them
+    double impulse_median = 0;      // relative error of the impulse on standing people, median over them
     double impulse_p95 = 0;         // 95th percentile
     double steps_per_s = 0;         // time steps per simulated second
     double particle_step_cost = 0;  // s of CPU time on the machine of the report

@@ -1,24 +1,26 @@
 #pragma once
-// Visibility between particles on a site, past walls at any angle and in them as mirrors.
+// Visibility between particles on a site: past walls at any angle, and of mirror images in these walls.
 //
-// An image is seen if the straight line to it, folded at the walls, is the path of a billiard ball in the water:
+// An image is visible if the straight line to it, folded at the walls, is the path of a billiard ball in the water:
 //
-//      j'.     |           The sequence s = (k1 .. kn) are the walls that the path meets, R_k x = x - 2 d_k(x) n_k.
+//      j'.     |           The path meets the walls s = (k1 .. kn) in this order; R_k x = x - 2 d_k(x) n_k.
 //         ' .  |k1         The cluster moves, x~ = M x, M = R_kn .. R_k1, so that the list names ordinary particles.
 //             '|. i        The line from x_i to M^-1 x_j meets k1, k2, .. in this order inside of the walls, and nothing
-//             .|'          else. Each direction from a particle has one such path, so that every place round it is filled
-//         . '  |           once, in corners of any angle. Walls at right angles commute: two orders of one image, of which
-//       j      |           it counts whichever path there is.
+//             .|'          else. Each direction from a particle has one such path, so that any point round it is filled
+//         . '  |           once, in corners of any angle. Walls at right angles commute: one image has two orders, and
+//       j      |           the order with a free path counts.
 //
 // The path back from j is the same one with M^-1, so that forces are opposite: g_ji = -Q g_ij.
 //
-// All of this is in plan, as walls are upright. The ground then mirrors in the plane over which the middle of the path lies, with
-// R_p between the walls that are met before and those after: the ground goes on evenly behind walls. Up to three walls a path.
+// All of this is in plan, because walls are vertical. The ground then mirrors in the plane below the middle of the
+// path, with R_p between the walls met before the middle and the walls met after it: the ground continues evenly behind
+// walls. A path meets up to three walls.
 //
-// Sight is soft at the edges of walls, where the water turns by more than a half turn (sight-inl.hpp): a path that passes an edge at a
-// distance e in plan, negative if it hits a wall there, counts with the share clamp(1/2 + e / (2 delta), 0, 1); one that is
-// reflected with the e by which it meets the wall within its edge. Both as far as the foot of the edge lies on the unfolded
-// path, so that the two add up to one: a path that ends before it passes the edge sees all or nothing.
+// Visibility fades at the edges of walls, where the water turns by more than a half turn (sight-inl.hpp). A path that
+// passes an edge at a distance e in plan, negative if it hits a wall there, has the
+// fraction clamp(1/2 + e / (2 delta), 0, 1). A reflected path counts with its distance e inside of the edge. Both apply
+// only if the foot of the edge lies on the unfolded path, so that the two fractions add up to one. A path that ends
+// before it passes the edge sees all or nothing.
 
 #include <cstddef>
 #include <cstdint>
@@ -34,7 +36,7 @@ namespace wade::fluid {
 
 inline constexpr std::size_t longest_path = 3;  // walls
 
-// Walls of the site that may stand in the way of a path near a cluster, and their edges.
+// Walls of the site that may block a path near a cluster, and their edges.
 struct Obstruction {
     static constexpr std::size_t most = 64;  // of either
     struct Edge {
@@ -45,7 +47,8 @@ struct Obstruction {
     std::vector<Wall> walls;
     std::vector<Edge> edges;
 
-    // The bits of a wall, of those that go on from its edges, and of these edges: a path that is reflected there meets none of them.
+    // The bits of a wall, of the walls that continue from its edges, and of these edges: a path reflected at the wall
+    // meets none of them.
     struct Beside {
         std::uint64_t walls = 0, edges = 0;
     };
@@ -84,12 +87,12 @@ struct PathQuestion {
     std::int32_t orders = 1;  // how many these are
     std::int32_t like = 0;    // that of the first that meets the same walls: in keys, but between two walls
     bool has_keys = false;    // whether keys are asked for
-    const GroundFacets* ground = nullptr;  // whose plane under the middle is asked for too, or null
+    const GroundFacets* ground = nullptr;  // if not null, asks for the plane under the middle too
     float support_radius = 0, delta = 0;   // m
 };
 
-// By which order of walls something is seen, and which ground mirrors it: a plane, and how many walls the path meets before its middle,
-// which lies over that plane.
+// Key of an image path: its order of walls, the ground plane that mirrors it, and the number of walls before its
+// middle, which lies over that plane.
 struct SightKey {
     static constexpr std::int32_t places_of_middle = longest_path + 1;
     std::int32_t value = 0;
@@ -132,8 +135,9 @@ struct SeenByKey {
 // Sorts by key what has been found; lists beyond the count returned are room.
 std::size_t sort_by_key(const PathsFound& found, std::size_t near, std::vector<SeenByKey>& lists);
 
-// Appends those that are nearer to the images than the support radius: to the list, the masks and, if `shares` is not null, the shares.
-// plane: on whose upper side the middle must lie, or null. There must be room. Returns the end of the entries.
+// Appends the seen particles within the support radius of the images to the list, the masks and, if `shares` is not
+// null, the shares. plane: if not null, the middle of a path must lie above it. There must be room. Returns the end of
+// the entries.
 std::size_t append_seen(const ClusterPlaces& places, const ClusterPlaces& image, float support_radius,
                         const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
                         const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares);

@@ -161,8 +161,8 @@ void sum_corrected_divergence(std::size_t block, const Particles& p, const Neigh
 
 namespace {
 
-// Densities, as fractions, from which on a particle is corrected in part and in full: the neighbours of one beside a gap lie
-// on one side, and their moment says more about the gap than about the packing.
+// Densities, as fractions, above which a particle is corrected in part and in full. The neighbours of a particle beside
+// a gap lie on one side, so that their moment depends on the gap more than on the packing.
 constexpr float beside_gap = 0.85F;
 constexpr float within_water = 0.95F;
 

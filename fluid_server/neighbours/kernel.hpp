@@ -1,5 +1,5 @@
 #pragma once
-// Kernels with compact support radius h, in three dimensions, and how dense they see a lattice of spacing d.
+// Kernels with compact support radius h, in three dimensions, and their densities on a lattice of spacing d.
 //
 // The cubic spline (Monaghan 1992):
 //
@@ -10,8 +10,8 @@
 // divided by that sum, 1.001 at 2.05 d and 1.004 at 2.2 d, so that the lattice has its rest density there too.
 //
 // Stretched by a small strain e at constant volume the lattice has the density 1 + s e^2. Held at rest density it must swell
-// by s e^2 against the pressure: it resists shear like a solid whose stiffness is s times the pressure, at any spacing. Along
-// an axis and along a diagonal s is
+// by s e^2 against the pressure: it resists shear like a solid with a stiffness of s times the pressure, at any
+// spacing. Along an axis and along a diagonal s is
 //
 //   h / d    2 (e -> 0)    2 (e = 0.05)    2.05           2.1
 //   s        0.068, 0.046  0.102, 0.044    0.000, 0.000   -0.072, -0.052
@@ -20,12 +20,12 @@
 //
 //   W(r, h) = 15625 / (512 pi h^3) * { (1 - q)_+^4 - 5 (3/5 - q)_+^4 + 10 (1/5 - q)_+^4 },   x_+ = max(0, x)
 //
-// With h = 2.4 d it hardly sees how particles are packed: s is 0.003 along an axis and -0.008 along a diagonal as e -> 0,
-// 0.020 and -0.010 at e = 0.1, where the cubic spline has 0.126 and 0.041, and body-centred, face-centred and hexagonal
-// packings of the same number of particles are less dense than the cubic lattice by 0.0007, 0.0001 and 0.0003 (the cubic
-// spline: 0.0002, 0.0025, 0.0018). So water has no shape that it would keep: waves have their speed, and still water
-// nothing to settle into. At 2.3 d s is 0.045 along an axis; at 2.5 d -0.002 and -0.011, for an eighth more neighbours. The
-// sum over the lattice, by which W is divided, is 1.0003.
+// With h = 2.4 d the density hardly depends on the packing of particles: s is 0.003 along an axis and -0.008 along a
+// diagonal as e -> 0, 0.020 and -0.010 at e = 0.1, where the cubic spline has 0.126 and 0.041, and body-centred,
+// face-centred and hexagonal packings of the same number of particles are less dense than the cubic lattice by 0.0007,
+// 0.0001 and 0.0003 (the cubic spline: 0.0002, 0.0025, 0.0018). So the water has no preferred shape: waves have their
+// speed, and still water does not settle into another packing. At 2.3 d s is 0.045 along an axis; at 2.5 d -0.002 and
+// -0.011, for an eighth more neighbours. W is divided by its sum over the lattice, 1.0003.
 //
 // Wendland's C2 function (Wendland 1995, Dehnen and Aly 2012):
 //
@@ -112,7 +112,7 @@ class QuarticSpline {
     static constexpr float open_surface_density = 0.775F;
     // The largest eigenvalue is 3.20: the iteration converges below 2 / 3.20.
     static constexpr float relaxation = 0.5F;
-    // q at which the pieces of the spline meet, and its shape at q = 0: the value, and minus the slope over q.
+    // Knots of the spline in q, and its shape at q = 0: the value, and minus the slope over q.
     static constexpr float knot_near = 0.2F, knot_far = 0.6F;
     static constexpr float value_at_zero = 0.368F, factor_at_zero = 4.8F;
 

@@ -43,7 +43,7 @@ struct Run {
     std::uint32_t begin = 0, end = 0;
 };
 
-// The places of a cluster's particles, or of their images, m; lanes beyond them have the last place again.
+// The positions of a cluster's particles, or of their images, m; lanes beyond them repeat the last position.
 struct ClusterPlaces {
     std::size_t size = 0;
     std::array<float, largest_cluster> x{}, y{}, z{};
@@ -58,7 +58,7 @@ struct NeighbourBlock {
     struct View {
         RigidMap map;                // of a cluster's places
         ImageVelocity viscous;       // for viscosity
-        std::int16_t obstacle = -1;  // in whose face images are seen, or -1
+        std::int16_t obstacle = -1;  // obstacle with the mirroring face, or -1
         std::int16_t obstacle_axis = 0;
         bool by_sight = false;  // not every near lane sees every entry: `lanes` says which do
         bool in_part = false;   // by sight, and a lane may see a part of an entry only
@@ -83,8 +83,8 @@ struct NeighbourBlock {
     std::vector<TurnedView> turned;  // of the views, on a site; else none
     std::vector<std::uint32_t> j;    // entries: a particle each
     LaneMasks lanes;                 // of each entry: which lanes are near and see it; from sum_kernel (sweeps.hpp) on
-    // Of each entry's near lanes (dW/dr) / r in NeighbourLists::factor_unit. Until sum_kernel computes these: the shares, of
-    // whole_share, of those that see entries in part, one after the other.
+    // (dW/dr) / r of each entry's near lanes, in NeighbourLists::factor_unit. Until sum_kernel computes these: the
+    // visible fractions, in units of 1 / whole_share, of the lanes that see entries in part, one after the other.
     std::vector<std::uint16_t> factor;
     std::vector<std::uint32_t> first_factor;  // of each cluster
 };
@@ -163,8 +163,8 @@ inline const NeighbourBlock::TurnedView* turned_view(const NeighbourBlock& block
     return block.turned.empty() ? nullptr : block.turned.data() + (&view - block.views.data());
 }
 
-// Calls body(pair) for each pair of a block's particles i whose kernel is not zero: the slow way through the lists, for
-// diagnostics and tests. Uses the places that NeighbourLists keeps.
+// Calls body(pair) for each pair of a block's particles i with a kernel that is not zero: a slow loop over the lists,
+// for diagnostics and tests. Uses the positions stored in NeighbourLists.
 template <typename Body>
 void for_each_pair(const NeighbourLists& lists, std::size_t b, Body&& body) {
     const NeighbourBlock& block = lists.blocks[b];

@@ -88,7 +88,7 @@ class BlockSearch {
         }
     }
 
-    // Notes what is near the cluster: a little farther than the support radius, which is more than what rounding moves.
+    // Finds the particles near the cluster, up to a little more than the support radius, to allow for rounding.
     void look_round(const Box& box) {
         buffers_.near.assign(find_by_grid(box, (1 + for_rounding) * h_), p_);
         buffers_.before_mirror = {};
@@ -99,7 +99,7 @@ class BlockSearch {
         at_border_ = periods > 1;
     }
 
-    // Notes who may see whom in a face, unless that has been done for another view.
+    // Records which near particles the lanes may see in a face, unless another view of the face has done so.
     void note_before(const Watchers& watchers, const Mirror& mirror, const Box& obstacle) {
         const Mirror& last = buffers_.before_mirror;
         bool same = mirror.obstacle == last.obstacle && mirror.obstacle_axis == last.obstacle_axis;
@@ -111,8 +111,9 @@ class BlockSearch {
         buffers_.before_mirror = mirror;
     }
 
-    // The segments of what is seen in a mirror, or without one: one, and one for each periodic border across which some of it
-    // lies. box: round the images of those watchers that may see something so.
+    // Adds the segments of the neighbours seen in a mirror, or without one: one segment, and one for each periodic
+    // border between the cluster and some of them. box: encloses the images of the watchers that may see a neighbour in
+    // this view.
     void add_segments(const Watchers& watchers, const Sight& sight, const Box& box) {
         const Box near = grown(box, h_);
         grid_.for_each_period(near.lo, near.hi, [&](const Vec3& period) { add_segment(watchers, sight, box, period); });
@@ -184,9 +185,9 @@ class BlockSearch {
         return {to, find_near_box(box, reach, p_, buffers_.runs, to)};
     }
 
-    // Of the particles near the cluster those that it sees past obstacles, or in the face of one. All who see one another so lie on the
-    // same side of each mirror, and so no farther apart than place and image. (Not so over a facet, where one of them may be a little
-    // below it.)
+    // Appends the near particles that the cluster sees past obstacles, or in the face of one. Particles that see one
+    // another lie on the same side of each mirror, and so are no farther apart than a particle and an image. (This does
+    // not hold over a facet, where one of them may be a little below it.)
     void append_of_near(const Watchers& watchers, const Sight& sight, const Box& box) {
         make_room(block_.j, entries_ + buffers_.near.size + 1);
         std::visit([&](auto& masks) { make_room(masks, entries_ + buffers_.near.size + 1); }, block_.lanes);

@@ -1,5 +1,5 @@
 #pragma once
-// Who sees whom: makes the neighbour lists of sorted particles.
+// Makes the neighbour lists of sorted particles, by distance and visibility.
 
 #include "fluid_server/neighbours/neighbour_lists.hpp"
 #include "fluid_server/particles/cell_grid.hpp"

@@ -229,7 +229,7 @@ std::size_t FindSeenInFace(const Watchers& watchers, const Mirror& mirror, const
     const Vec3V x = load(watchers.places);
     const Face face(obstacle, mirror, x, watchers.delta);
     Appender to(near, first, block, shares);
-    // Nobody sees anything past the upper edge if lines that are near enough stay delta below it: they are no longer than h.
+    // No line passes the upper edge if all lines within the support radius stay delta below it: none is longer than h.
     float highest = watchers.box.hi[1] + (1 + for_rounding) * h;
     if (mirror.axis[1]) highest = std::max(highest, 2 * mirror.plane[1] - watchers.box.lo[1] + (1 + for_rounding) * h);
     const float below = mirror.obstacle_axis == 1 || obstacle.lo[1] != -Box::inf ? 0 : obstacle.hi[1] - highest;

@@ -14,26 +14,27 @@
 #define WADE_SIGHT_INL_HPP
 #endif
 
-// No product is fused with a sum here: what one side of a face sees of the other does not depend on the instruction set.
+// No product is fused with a sum here, so that visibility across a face does not depend on the instruction set.
 //
-// Soft sight. If sight ended sharply at an edge of a box, a particle that moves past it would come and go as a whole, here and as
-// an image, and pressure would follow in jumps: water round a house never came to rest. So a line that passes an edge at a
-// distance below delta counts in part. Let e be how far it stays away from the box, negative if it passes through it. Then
+// Soft visibility. If visibility ended sharply at an edge of a box, a particle that moves past it would appear and
+// vanish as a whole, itself and its image. The pressure would jump, and water round a house never came to rest. So a
+// line that passes an edge at a distance below delta counts in part. Let e be its distance from the box, negative if it
+// passes through the box. Then
 //
 //         share = clamp(1/2 + e / (2 delta), 0, 1)      of a particle at the end of the line,
 //         share = clamp(1/2 - e / (2 delta), 0, 1)      of an image there, seen in the face that the line enters.
 //
-// Both ask the same line about the same edge, so that the two add up to one: every place round a particle is still filled once, but
-// for under one in a hundred, near the upper corners of a box, where three edges have a say.
-// And both are the same from either end: e is the distance of a corner c from the line through x and y in the plane across the
-// edge, (c - x) x (c - y) / |x - y|, the images' is reckoned from the point where line and face meet, and either changes nothing
-// but its sign if x and y change places. So forces stay opposite. How a share changes as particles move is left out of the
-// divergence: it is constant within a step.
+// Both test the same line against the same edge, so that the two add up to one: every position round a particle is
+// still filled once. The exception is under one in a hundred, near the upper corners of a box, where three edges
+// matter. Both are the same from either end. e is the distance of a corner c from the line through x and y in the plane
+// across the edge, (c - x) x (c - y) / |x - y|; for images it is measured from the point where line and face meet.
+// Either changes only its sign if x and y are swapped, so that forces stay opposite. The divergence leaves out how a
+// fraction changes as particles move: it is constant within a step.
 //
-// In three dimensions e is the largest distance by which one of six directions parts line and box: the three axes, and those
-// across the line and one of them, which are what the edges ask for (separating axes, Gottschalk et al. 1996, SIGGRAPH, 171).
-// Contact (solids.hpp) keeps all centres 0.4 spacings away from every face, delta is 0.3 of them: where a face is flat, nobody
-// counts in part.
+// In three dimensions e is the largest gap between line and box along six directions: the three axes and, for the
+// edges, the three directions normal to the line and to an axis (separating axes, Gottschalk et al. 1996, SIGGRAPH,
+// 171). Contact (solids.hpp) keeps all centres 0.4 spacings away from every face and delta is 0.3 spacings, so that no
+// particle counts in part at a flat face.
 HWY_BEFORE_NAMESPACE();
 namespace wade::fluid::HWY_NAMESPACE {
 

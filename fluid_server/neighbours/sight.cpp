@@ -12,7 +12,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace wade::fluid::HWY_NAMESPACE {
 
-// Who sees y in a facet of the bed: over which the point halfway between them lies.
+// Returns the lanes that see y in a facet of the bed: the point halfway to y must lie over the facet.
 HWY_INLINE Seen over(const BedFacet& facet, const Vec3V& x, const Vec3& y) {
     const V middle = hn::Mul(all(0.5F), hn::Add(x.x, all(y[0])));
     const V above = hn::Add(hn::Mul(all(facet.nx), hn::Sub(x.x, all(facet.px))),

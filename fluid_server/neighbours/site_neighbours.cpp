@@ -173,7 +173,7 @@ class SiteSearch {
 
     [[nodiscard]] bool is_free() const { return buffers_.obstruction.walls.empty(); }
 
-    // All sequences of walls by which some image may be near.
+    // Finds all sequences of walls that may give an image near the cluster.
     void find_paths_of_walls() {
         buffers_.paths.clear();
         const std::vector<NearWall>& walls = buffers_.walls;
@@ -195,7 +195,8 @@ class SiteSearch {
         buffers_.done.assign(buffers_.paths.size(), false);
     }
 
-    // Whether a path may go on to a wall; notes it with that wall if an image may be near. way: at least that long between walls.
+    // Returns whether a path may continue to a wall; records it with that wall if an image may be near. way: lower
+    // bound of its length between walls, m.
     bool go_on(WallPath& path, const NearWall& to, float way) {
         if (way >= h_) return false;
         if (path.length > 0) {
@@ -274,8 +275,9 @@ class SiteSearch {
         return true;
     }
 
-    // What is seen by those of these orders that are `like` one of them, and its mirror images in the ground: each by its own walls, so that
-    // its map does not depend on which others are near the cluster. is_whole: all of what is near enough.
+    // Adds the neighbours seen by the orders with the same walls as order `like`, and their mirror images in the
+    // ground. Each path uses its own walls, so that its map does not depend on the other paths near the cluster.
+    // is_whole: all near particles are seen.
     void add_paths(std::span<const PathOrder> orders, std::size_t like, bool is_whole) {
         const WallPath& path = *orders[like].path;
         const bool by_others = std::any_of(orders.begin(), orders.end(), [&](auto& one) { return one.like != like; });

@@ -145,7 +145,7 @@ struct ShearSums {
     Vec3V weighted;  // of factor times u_j
 };
 
-// Adds n entries, whose factors are the rounded ones.
+// Adds n entries with their rounded factors.
 HWY_NOINLINE ShearSums add_shear(const ConstVectorArrays& u, const std::uint32_t* j, std::size_t n, const Batch& batch,
                                  ShearSums sums) {
     for (std::size_t e = 0; e < n; ++e) {

@@ -136,14 +136,14 @@ HWY_INLINE LaneMask* lane_masks(NeighbourBlock& block) {
     return std::get<std::vector<LaneMask>>(block.lanes).data();
 }
 
-// The lanes for which a mask holds.
+// Returns the lanes of a mask as bits.
 HWY_INLINE unsigned bits_of(hn::Mask<Lanes> mask) {
     LaneMask bits = 0;
     hn::StoreMaskBits(lanes, mask, reinterpret_cast<std::uint8_t*>(&bits));
     return bits;
 }
 
-// The lanes whose bit is set.
+// Returns the mask of the lanes with a set bit.
 HWY_INLINE hn::Mask<Lanes> lanes_of(unsigned bits) {
     const hn::RebindToUnsigned<Lanes> whole;
     const auto lane_bit = hn::Shl(hn::Set(whole, 1U), hn::Iota(whole, 0));

@@ -1,7 +1,7 @@
 #pragma once
-// Boxes, and which of many are near a place: a grid on the ground, whose cells know the boxes that reach into them.
+// Spatial index of boxes: a grid in plan; each cell lists the boxes that reach into it.
 //
-// An answer costs the cells that the question spans, however many boxes there are: about two cells to a box.
+// A query costs the cells that it spans, however many boxes there are: about two cells to a box.
 
 #include <algorithm>
 #include <array>

@@ -105,16 +105,15 @@ class CellGrid {
  public:
     CellGrid(const Scene& scene, float support_radius);
 
-    // Sorts all arrays of the particles by cell, in stable order; drops those whose x is not greater than `outflow_x`.
-    // Returns the number dropped.
+    // Sorts all arrays of the particles by cell, in stable order; removes particles with x <= outflow_x. Returns the
+    // number removed.
     std::size_t sort(Particles& particles, float outflow_x);
 
     // Calls body(begin, end) for each run of sorted particles that may have some between lo and hi.
     template <typename Body>
     void for_each_run(const Vec3& lo, const Vec3& hi, Body&& body) const;
 
-    // Calls body(shift) for each period by which particles must be shifted so that some may come to lie between lo and hi;
-    // zero is the first.
+    // Calls body(shift) for each periodic shift that may bring particles between lo and hi; zero is the first.
     template <typename Body>
     void for_each_period(const Vec3& lo, const Vec3& hi, Body&& body) const;
 

@@ -67,7 +67,7 @@ class ChannelEnds {
     virtual void restore(const EmitterState& /*state*/, Particles& /*particles*/, double /*time*/) {}
 };
 
-// The velocity along x, at most vx, with which a particle at x does not pass an opening within dt.
+// Returns the largest velocity along x, at most vx, that keeps a particle at x from passing an opening within dt.
 [[nodiscard]] inline float held_by_opening(float opening_x, float x, float vx, float dt) {
     if (opening_x == std::numeric_limits<float>::infinity()) return vx;
     return std::min(vx, std::max(opening_x - x, 0.0F) / dt);

@@ -13,7 +13,8 @@ namespace wade::fluid {
 // sum over any steps is the integral of v_F. That at t0 if t1 is not later.
 [[nodiscard]] double mean_velocity(const Channel& channel, double t0, double t1);
 
-// Largest v_F from t0 to t1, and at any time; the latter not below channel.velocity, with which a filled river starts.
+// Return the largest v_F from t0 to t1, and at any time; the latter is not below channel.velocity, the initial velocity
+// of a filled river.
 [[nodiscard]] double largest_velocity(const Channel& channel, double t0, double t1);
 [[nodiscard]] double largest_velocity(const Channel& channel);
 

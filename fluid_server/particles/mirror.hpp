@@ -107,7 +107,7 @@ struct ImageVelocity {
 struct Mirror {
     std::array<bool, 3> axis{};
     Vec3 plane{};
-    int obstacle = -1;  // whose face is one of them, or -1
+    int obstacle = -1;  // obstacle with one of them as a face, or -1
     std::size_t obstacle_axis = 0;
     int facet = -1;         // of the bed, or -1
     bool inclined = false;  // the facet is not level: it stands for axis 1, and these hold

@@ -18,7 +18,7 @@ enum class Kind : std::uint8_t {
 // Sweeps work on clusters of particles that follow one another, one a lane of a vector: no more than this.
 inline constexpr std::size_t largest_cluster = 16;
 
-// Length of an array of one number a particle, of which sweeps may touch whole clusters.
+// Returns the length of an array with one number a particle, padded so that neighbour loops may touch whole clusters.
 inline std::size_t padded(std::size_t capacity) {
     return (capacity / largest_cluster + 2) * largest_cluster;
 }

@@ -62,7 +62,7 @@ std::vector<float> falls_of(const std::vector<BedFacet>& bed, float support_radi
     return falls;
 }
 
-// Adds the reflection across a plane of which R and the velocity, if water sticks to it, are given.
+// Adds the reflection across a plane. reflection: its R; sticks: its velocity, if the no-slip condition holds there.
 void reflect_velocities(Mirror& mirror, const PlaneMap& reflection, const std::optional<Vec3>& sticks) {
     mirror.reflection = product(reflection, mirror.reflection);
     ImageVelocity& image = mirror.viscous;
@@ -237,7 +237,7 @@ void Solids::add_obstacle_mirrors(const Box& box, const BoxNumbers& obstacles, s
         for (std::size_t k = 0; k < 3 && near(obstacle, box); ++k) {
             for (const bool upper : {false, true}) {
                 if (upper ? box.hi[k] < obstacle.hi[k] : box.lo[k] > obstacle.lo[k]) {
-                    continue;  // nobody is on this face's side
+                    continue;  // no particle is on this face's side
                 }
                 for (std::size_t m = 0; m < walls; ++m) {
                     Mirror mirror = mirrors[m];
@@ -378,7 +378,7 @@ bool Solids::push_out(Vec3& x) const {
         x[1] = bed_height(bed_, x[0]);
         moved = true;
     }
-    // In the order of their numbers; who is pushed out of one goes on from where it then is.
+    // In the order of their numbers; each obstacle starts from the position that the previous one left.
     std::span<const std::uint32_t> here = index_.at(x[0], x[2]);
     for (std::size_t n = 0; n < here.size();) {
         const std::uint32_t o = here[n++];

@@ -9,18 +9,18 @@
 //        images across y | fluid             A concave edge such as bed and bank shows three families of images: mirrored
 //         and z, twice   | images across y   across either face, and across both.
 //       -----------------+-----------------
-//         images across  |                   At a convex edge of an obstacle the rule is that of sight: a particle sees
+//         images across  |                   At a convex edge of an obstacle visibility decides: a particle sees
 //         z              |  o   fluid        another if the straight line between them is free, and the image of another
-//                                            if the line to the image passes through the mirror's face. So every place
+//                                            if the line to the image passes through the mirror's face. So all space
 //                                            round a particle is filled exactly once. Close to the edge it sees a part
 //                                            of either (sight-inl.hpp), or water would never rest there.
 //
 // Images of images are left out: of obstacles and banks nearer than two support radii, and of opposite walls.
 //
-// A bed with bed_points consists of facets (bed_profile.hpp). A particle sees another in the facet over which the point
-// halfway between them lies: pairs stay symmetric, and gentle changes of slope leave neither gap nor overlap that matters.
+// A bed with bed_points consists of facets (bed_profile.hpp). A particle sees another in the facet below the point
+// halfway between them: pairs stay symmetric, and gentle changes of slope leave neither gap nor overlap that matters.
 //
-// Where water sticks to a face (channel.no_slip) viscosity sees images with another velocity, see ImageVelocity; for
+// At a no-slip face (channel.no_slip) the viscosity uses another velocity of the images, see ImageVelocity; for
 // pressure every face is smooth.
 //
 // Contact is for what pressure cannot carry: single particles and sheets thinner than the spacing have less than rest
@@ -45,13 +45,13 @@ namespace wade::fluid {
 // a filled layer at about d/2, so that contact acts on thin sheets only.
 inline constexpr float contact_fraction = 0.4F;
 
-// Sight fades over as much on either side of an edge. Measured with a house in a lake at rest, RMS speed of the water and largest
-// compression: sharp 0.050 m/s and 0.21, 0.15 d 0.039 m/s, 0.3 d 0.010 m/s and 0.013. Less than the contact fraction, so that a
-// flat face is seen as a whole.
+// Visibility fades over this fraction of d on either side of an edge. Measured with a house in a lake at rest, RMS
+// speed of the water and largest compression: sharp 0.050 m/s and 0.21, 0.15 d 0.039 m/s, 0.3 d 0.010 m/s and 0.013.
+// Less than the contact fraction, so that a flat face is seen as a whole.
 inline constexpr float sight_fraction = 0.3F;
 static_assert(sight_fraction < contact_fraction);
 
-// Places of particles, m, as arrays.
+// Positions of particles, m, as arrays.
 struct Places {
     const float *x, *y, *z;
 };
@@ -62,25 +62,26 @@ struct BlockVelocities {
 };
 
 class Solids {
-    // Particles that follow one another, whose ways are asked about together.
+    // Number of consecutive particles that share one obstacle query for their displacements.
     static constexpr std::size_t contact_group = 16;
 
  public:
     // Bed, lid if there is one, banks unless the sides are periodic, end walls if the channel is closed, and all obstacles.
     explicit Solids(const Scene& scene);
 
-    // Replaces `found` by the obstacles that matter to the particles of a box: all that are nearer to it than the support
-    // radius and what sight fades over.
+    // Replaces `found` by the obstacles that matter to the particles of a box: all that are nearer to it than the
+    // support radius plus sight_delta().
     void find_obstacles(const Box& box, BoxNumbers& found) const;
 
-    // Replaces `mirrors` by those in which a particle of a box may see images nearer than the support radius.
+    // Replaces `mirrors` by the mirrors that may show a particle of a box images nearer than the support radius.
     void mirrors_near(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const;
 
-    // Whether an obstacle is nearer to a box than the support radius and what sight fades over, so that not everybody sees
-    // everything: sight.hpp. Who is farther away sees past it, and nothing in its faces, whoever else is in the box.
+    // Returns true if an obstacle is nearer to a box than the support radius plus sight_delta(), so that visibility
+    // must be tested per pair (sight.hpp). A particle farther away sees all neighbours past it and no images in its
+    // faces, whatever else is in the box.
     [[nodiscard]] bool obstacle_near(const Box& box, const BoxNumbers& obstacles) const;
 
-    // The obstacle in whose face one sees in a mirror, the facet of the bed that it is; null if there is none.
+    // Return the obstacle with the mirror as a face, and the bed facet that is the mirror; null if there is none.
     [[nodiscard]] const Box* obstacle_of(const Mirror& mirror) const {
         return mirror.obstacle < 0 ? nullptr : &obstacles_[static_cast<std::size_t>(mirror.obstacle)];
     }
@@ -88,9 +89,9 @@ class Solids {
         return mirror.facet < 0 ? nullptr : &bed_[static_cast<std::size_t>(mirror.facet)];
     }
 
-    // Unilateral, inelastic contact: reduces the velocities v of `count` particles, at most block_size, at places x so that
-    // after x + dt v their centres are no nearer than the contact distance to any face: first to those of bed, lid, banks
-    // and ends, then to each obstacle; calls on_obstacle(its index, particle, the velocity it took away).
+    // Unilateral, inelastic contact: reduces the velocities v of `count` particles, at most block_size, at positions x
+    // so that after x + dt v their centres are no nearer than the contact distance to any face. Bed, lid, banks and
+    // ends come first, then each obstacle. Calls on_obstacle(its index, particle, the velocity it took away).
     template <typename OnObstacle>
     void apply_contact(const Places& x, std::size_t count, float dt, BlockVelocities& v,
                        OnObstacle&& on_obstacle) const {
@@ -120,7 +121,7 @@ class Solids {
         return !free && push_out(x);
     }
 
-    // Half the width over which sight fades at an edge of an obstacle, m: sight-inl.hpp.
+    // Half the width of the fade of visibility at an edge of an obstacle, m: sight-inl.hpp.
     [[nodiscard]] float sight_delta() const { return sight_delta_; }
 
     [[nodiscard]] const Box& interior() const { return interior_; }
@@ -130,10 +131,10 @@ class Solids {
     [[nodiscard]] bool near(const Box& a, const Box& b) const;  // as obstacle_near() says
     void add_facet_mirrors(const Box& box, std::size_t before, std::vector<Mirror>& mirrors) const;
     void add_obstacle_mirrors(const Box& box, const BoxNumbers& obstacles, std::vector<Mirror>& mirrors) const;
-    // A box round the ways of particles [begin, end). What contact leaves of a velocity makes a way no longer.
+    // Returns a box round the displacements of particles [begin, end). Contact makes no displacement longer.
     [[nodiscard]] Box way_of(const Places& x, std::size_t begin, std::size_t end, float dt,
                              const BlockVelocities& v) const;
-    // Obstacles near a way, until the thread asks again.
+    // Returns the obstacles near a displacement; valid until the next call of the thread.
     [[nodiscard]] const BoxNumbers& obstacles_on(const Box& way) const;
     [[nodiscard]] bool may_enter(const Box& way, const Box& obstacle) const;
     // Which of particles [begin, end) would come nearer to an obstacle than the contact distance.
@@ -151,7 +152,7 @@ class Solids {
     Box interior_;
     std::vector<BedFacet> bed_;  // empty: the plane y = 0, part of the interior
     std::vector<float> falls_;   // of the bed below each of its facets nearby, m
-    // Velocity of the planes to which water sticks: at the lower and the upper end of each axis, and of the obstacles.
+    // Velocity of the no-slip planes: at the lower and the upper end of each axis, and of the obstacles.
     std::array<std::array<std::optional<Vec3>, 2>, 3> sticks_;
     std::optional<Vec3> obstacles_stick_;
     std::vector<Box> obstacles_;  // reach down through the bed, and through a wall that they touch

@@ -13,10 +13,10 @@ namespace wade::fluid {
 
 namespace {
 
-// Times as deep as the scene's water. A trial with 1.25 kept the jump up as well; with 2 scenes whose water stays near its
-// depth are computed as ever.
+// Threshold in multiples of the depth of the scene's water. A trial with 1.25 kept the jump up as well; with 2 nothing
+// changes in scenes with water near its initial depth.
 constexpr double piled_up = 2;
-constexpr double few_layers = 10;  // up to which the number of layers changes nothing in the solve
+constexpr double few_layers = 10;  // up to so many layers their number does not change the solve
 
 std::size_t columns_along(double length, double support_radius) {
     return static_cast<std::size_t>(std::max(1.0, std::floor(length / (2 * support_radius))));

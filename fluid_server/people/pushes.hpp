@@ -63,7 +63,7 @@ struct MomentumAccount {
 
 // Particles near one person, with their weights.
 struct NearParticles {
-    std::size_t size = 0;  // of those in use; the lists may be longer
+    std::size_t size = 0;  // entries in use; the lists may be longer
     std::vector<std::uint32_t> index;
     std::vector<float> weight;
 };
@@ -77,7 +77,7 @@ struct PushStrips {
 };
 
 struct PeopleInWater {
-    std::vector<Push> pushes;  // of the frame at hand, those that are not 0, in the order of the agents
+    std::vector<Push> pushes;  // of the current frame, without zeros, in the order of the agents
     double frame_time = 0;     // s
     MomentumAccount account;
     bool told = false;  // a crowd has ever sent impulses
@@ -100,8 +100,9 @@ void take_pushes(const AgentsView& agents, PeopleInWater& people);
 // Writes the account into the diagnostics of a frame, once there are impulses.
 void note_people(const PeopleInWater& people, shm::Diagnostics& diagnostics);
 
-// Finds the particles of the column round a person: those of which some part lies below the depth in which it stands, none that
-// an emitter or a guard moves. grid: sorted. counts: how much of a particle at x belongs to the water, [0, 1].
+// Finds the particles of the water column round a person: particles with some part below the submerged height of the
+// person, none that an emitter or a guard moves. grid: sorted. counts: fraction of a particle at x that belongs to the
+// water, [0, 1].
 template <typename Counts>
 void find_near(const Push& push, const CellGrid& grid, const Particles& p, float top, Counts&& counts,
                NearParticles& near) {
@@ -139,7 +140,7 @@ void find_near(const Push& push, const CellGrid& grid, const Particles& p, float
     near.size = kept;
 }
 
-// The height of the ground at a place, m; empty: 0.
+// The height of the ground at a position, m; empty: 0.
 using GroundAt = std::function<float(const GroundVector& place)>;
 
 // That of a channel's bed.
@@ -147,7 +148,7 @@ using GroundAt = std::function<float(const GroundVector& place)>;
     return [&bed](const GroundVector& place) { return bed_height(bed, static_cast<float>(place[0])); };
 }
 
-// The height up to which particles lie in the column of a person, m.
+// Returns the upper limit of the particles in the column of a person, m.
 [[nodiscard]] float top_of_column(const Push& push, const GroundAt& ground, double spacing);
 
 // Adds these particles, each of `mass` kg, to the sums.

@@ -23,7 +23,8 @@ namespace {
 constexpr int downwards = 1, upwards = 2;  // tags
 constexpr int most_words = 8;              // that the first rank says at once
 
-// Whether a process of this machine has ended; one that nobody has waited for yet is still listed, as a zombie.
+// Returns whether a process of this machine has ended. An ended process stays listed, as a zombie, until its parent
+// waits for it.
 bool has_ended(std::uint64_t process) {
     std::ifstream file("/proc/" + std::to_string(process) + "/stat");
     std::string text;

@@ -84,7 +84,7 @@ class RunClock {
     WallClock wall_;
     FrameInterval interval_;
     double start_ = 0;     // wall time of tick 0, s
-    double followed_ = 0;  // wall time up to which simulated time has followed, s
+    double followed_ = 0;  // wall time that the simulated time has reached, s
     double paused_at_ = -1;
     std::uint64_t late_frames_ = 0;
     double worst_lateness_ = 0;

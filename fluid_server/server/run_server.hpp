@@ -27,12 +27,12 @@ struct ServerSummary {
 // What travels in the header of the stream.
 [[nodiscard]] shm::StreamInfo stream_info(const Scene& scene, const FluidModel& model);
 
-// Who and what takes part in a run.
+// Model, publisher, clock, agents and consumers of a run.
 struct ServerRun {
     FluidModel& model;
     shm::Publisher& publisher;
     RunClock& clock;
-    AgentsInlet* agents = nullptr;  // none: the scene has no way back
+    AgentsInlet* agents = nullptr;  // null: the scene has no agents stream
     int consumers = 1;              // to wait for before frame 1
     std::function<int()> interrupted = [] { return 0; };
     std::function<void()> hold = [] {};                                    // before each frame; pauses are spent here

@@ -100,7 +100,7 @@ std::vector<std::string> prepare_states(FluidModel& model, const RunOptions& opt
 
 void tell_waiting_crowd(const ProgramStart& start, int code, const std::string& why) noexcept {
     constexpr double at_most =
-        1;  // s; who waits looks for the session every 5 ms, and who started with the server soon does
+        1;  // s; a waiting crowd looks for the session every 5 ms, one started with the server soon does
     try {
         shm::StreamInfo info;
         info.producer_name = "fluid_server";
@@ -128,13 +128,13 @@ void serve(const ProgramStart& start, FluidModel& model, Console& console) {
     RunControl control("");
     const RunControl::Hooks hooks = control_hooks(publisher, clock, console);
 
-    // While the server waits for the agents it still lives for those who wait for the water.
+    // Keeps the heartbeat while the server waits for the agents stream, so that consumers do not time out.
     shm::Waiting inlet_waiting = waiting;
     inlet_waiting.interrupted = [&] {
         publisher.heartbeat();
         return received_signal() != 0 || !publisher.consumers_are_there();
     };
-    // A crowd that pauses pauses the water, for all who wait for it.
+    // A crowd that pauses also pauses the water for all its consumers.
     inlet_waiting.paused = [&](double seconds) {
         clock.discount(seconds);
         publisher.set_paused(true);

@@ -17,12 +17,12 @@ namespace wade::fluid {
 // ConfigurationError.
 [[nodiscard]] std::vector<std::string> prepare_states(FluidModel& model, const RunOptions& options);
 
-// A crowd that already waits for this session learns why no water will come; nothing happens if nobody does. For a server that
-// fails before serve(). code: the exit code.
+// Tells a crowd that already waits for this session why no water will come; does nothing if none waits. For a server
+// that fails before serve(). code: the exit code.
 void tell_waiting_crowd(const ProgramStart& start, int code, const std::string& why) noexcept;
 
-// Sends the water of the scene to those who join its session, to its end. Every error passes through, once the consumers
-// have been told and what can be kept is.
+// Sends the water of the scene to the consumers of its session until the scene ends. Every error passes through, after
+// the consumers know it and the server has saved what it can.
 void serve(const ProgramStart& start, FluidModel& model, Console& console);
 
 }  // namespace wade::fluid

@@ -52,7 +52,7 @@ double momentum_flux(double q, double h, double g) {
     return q * q / h + 0.5 * g * h * h;
 }
 
-// The depth c^2 / g at which q g / c^2 - 2 c = u - 2 sqrt(g h), by Newton's method from below, where it converges.
+// Solves q g / c^2 - 2 c = u - 2 sqrt(g h) for the depth c^2 / g, by Newton's method from below, where it converges.
 double depth_on_wave(double q, double h, double u, double g) {
     const double invariant = u - 2 * std::sqrt(g * h);
     if (q <= 0) return std::pow(std::max(0.0, -0.5 * invariant), 2) / g;

@@ -1,15 +1,15 @@
 #pragma once
-// What lies beyond the border of the grid.
+// Boundary conditions of the grid.
 //
-//   x.lo  emitter: a fall; closed: a wall; recirculating, periodic: the other end
+//   x.lo  emitter: an outfall; closed: a wall; recirculating, periodic: the other end
 //   x.hi  emitter: an inflow of given discharge; else as x.lo
 //   z     a wall on each side, or the other side
 //
-// A wall is a mirror: its ghost cells are the images of the cells before it. Over the fall water leaves as it comes where
-// it is supercritical; else it passes the edge with the critical flow to which it speeds up, u + 2 c = 3 c_critical along
-// the wave that comes from upstream. The inflow brings the discharge v_F * depth. Where v_F is above the wave speed of
-// channel.depth it comes in with that depth, unless the water before it stands so high that it drowns the opening. Else
-// its depth follows from the wave that runs upstream, u - 2 c constant, and is not less than the critical one.
+// A wall is a mirror: its ghost cells are the images of the cells before it. At the outfall supercritical water leaves
+// unchanged. Subcritical water speeds up to critical flow at the edge, u + 2 c = 3 c_critical along the wave that comes
+// from upstream. The inflow brings the discharge v_F * depth. Where v_F is above the wave speed of channel.depth it
+// comes in with that depth, unless the water before it stands so high that it drowns the opening. Else its depth
+// follows from the wave that runs upstream, u - 2 c constant, and is not less than the critical one.
 
 #include <vector>
 

@@ -28,7 +28,7 @@ std::uint32_t generator_of(std::uint32_t n) {
     return 1;
 }
 
-constexpr double square = 10;  // m; water that somebody feels in the next frames is nearer
+constexpr double square = 10;  // m; agents sample only nearer water in the next frames
 
 constexpr double widest_column = 2;  // m
 

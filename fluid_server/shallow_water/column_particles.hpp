@@ -1,15 +1,15 @@
 #pragma once
-// The columns of the grid as particles, which is what the crowd takes.
+// Converts the columns of the grid to particles, the input of the crowd.
 //
 // A wet cell of volume V is n particles, V / d^3 rounded up, d the scene's particle spacing. Each has the n-th part of the
 // cell's mass and the cell's velocity, so that mass and momentum of all particles are those of the grid; the mass of films
 // too thin to have a velocity is shared by all.
 //
-//    +-----------+   n places spread evenly over the cell (points k/n along, k a/n across, modulo 1, a/n near the golden
-//    |  .      . |   ratio; one in each of n layers over the depth) drift with the velocity of the cell. A place that
+//    +-----------+   n points spread evenly over the cell (at k/n along, k a/n across, modulo 1, a/n near the golden
+//    |  .      . |   ratio; one in each of n layers over the depth) drift with the velocity of the cell. A point that
 //    |      .    |   leaves the cell at one side comes in at the other; there it is the next particle along the stream,
 //    |  .      . |   which lies 0.755 of a cell further across, the rows 0.618 of a cell further along than their
-//    +-----------+   neighbours: numbers whose multiples fill the cell evenly (Roberts 2018, the R sequences). Where the
+//    +-----------+   neighbours: multiples of both fill the cell evenly (Roberts 2018, the R sequences). Where the
 //                    stream is uniform the next cell does the same, so that particles drift on from cell to cell.
 //
 // On a site each wet cell is one particle, whatever the spacing, and films are not shown.
@@ -52,8 +52,8 @@ class ColumnParticles {
     // Counts the particles of each cell; where they would be more than the capacity, larger and fewer ones are made.
     void count(const ShallowWater& world);
 
-    // With /fluid/publish near_agents: shows from the next count on the columns of squares of 10 m in which somebody is outdoors, and
-    // of the eight round each.
+    // With /fluid/publish near_agents: shows from the next count on only the columns of 10 m squares with an agent
+    // outdoors, and of the eight squares round each.
     void show_near(const AgentsView& agents);
 
     // Leaves out the cells of these numbers along x, [begin, end), from the next count on.

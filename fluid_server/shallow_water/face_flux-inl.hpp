@@ -26,7 +26,7 @@ HWY_INLINE V limited_rise(V below, V here, V above) {
     return hn::Max(up, zero) + hn::Min(down, zero);
 }
 
-// The rises of n cells whose neighbours below and above are given.
+// Computes the limited rises of n cells from the neighbours below and above.
 inline void find_rises(Cells below, Cells here, Cells above, std::size_t n, CellRow rise) {
     for (std::size_t i = 0; i < n; i += lanes) {
         store(limited_rise(load(below.h + i), load(here.h + i), load(above.h + i)), rise.h + i);

@@ -1,9 +1,9 @@
 #pragma once
-// From cells to the flux through the faces between them: reconstruction and Riemann solver. Here are the rows that these
-// read and write, in face_flux-inl.hpp the formulas.
+// Reconstruction and Riemann solver: from cells to the flux through the faces between them. This file has the rows that
+// these read and write, face_flux-inl.hpp the formulas.
 //
-// Each cell is given straight profiles of depth h, surface eta = h + b and velocity. At a face they leave a state on the
-// lower side, l, and on the upper side, r, whose beds may differ. The hydrostatic reconstruction (Audusse, Bouchut,
+// Each cell has linear profiles of depth h, surface eta = h + b and velocity. At a face they give a state on the lower
+// side, l, and on the upper side, r; the two beds may differ. The hydrostatic reconstruction (Audusse, Bouchut,
 // Bristeau, Klein and Perthame 2004, SIAM J. Sci. Comput. 25, Eq. 2.11 to 2.16) lets both stand on the higher bed,
 //
 //   b* = max(b_l, b_r),   h*_l = max(0, eta_l - b*),   h*_r = max(0, eta_r - b*),
@@ -42,7 +42,7 @@ struct FluxRow {
 
 struct FluxConstants {
     double gravity = 9.81;    // across the bed, m/s^2
-    double dry = 1e-5;        // depth up to which a cell counts as dry, m
+    double dry = 1e-5;        // largest depth of a dry cell, m
     bool films_rest = false;  // whether nothing flows between two cells that are dry
 };
 

@@ -46,7 +46,7 @@ struct Water {
 // What the bed is, one value a cell.
 struct Bed {
     RowMemory height;     // b, m: the mean of bed_points over the cell, or the top of an obstacle
-    RowMemory obstacle;   // 1 in cells whose centre lies in an obstacle, else 0; empty if there is none
+    RowMemory obstacle;   // 1 in cells with the centre in an obstacle, else 0; empty if there is none
     bool level = false;   // of a channel: whether all heights are 0
     RowMemory ground;     // of a site: height as it is given; b of cells that are stepped as one is their mean
     RowMemory n_squared;  // of a site: square of Manning's n, s^2/m^(2/3); empty: the same everywhere

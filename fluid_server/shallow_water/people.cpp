@@ -12,7 +12,7 @@ namespace wade::fluid::shallow_water {
 
 namespace {
 
-// Mean of the cone over a cell whose centre is (dx, dz) from the person, m.
+// Returns the mean of the cone over a cell with its centre (dx, dz) from the person, m.
 double mean_cone(const Grid& grid, double dx, double dz, double spread) {
     const double half_x = 0.5 * grid.dx, half_z = 0.5 * grid.dz;
     return spread * spread / grid.cell_area() *

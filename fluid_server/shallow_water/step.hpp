@@ -1,5 +1,5 @@
 #pragma once
-// Water whose pressure is hydrostatic and whose velocity is that of its whole depth: the shallow-water equations
+// The shallow-water equations: hydrostatic pressure and one velocity over the whole depth
 //
 //   dh/dt     + d(h u)/dx                + d(h v)/dz                = 0
 //   d(h u)/dt + d(h u^2 + g h^2/2)/dx    + d(h u v)/dz              = -g h db/dx + h a - k h u
@@ -10,10 +10,10 @@
 //
 // Finite volumes, second order in space (face_flux.hpp) and time (row_update.hpp), with the friction of the old state taken
 // implicitly, so that it stops water at most. Depths stay positive as long as
-// dt (s_x / dx + s_z / dz) <= 1/2, s the fastest wave each way; a step after which one is negative is taken anew with half
-// of dt, as waves may speed up within it. A recirculating channel gets, after each step, the
-// velocity along x that all of it lacks to v_F. On a site (site_water.hpp) what came in and left meanwhile follows after each
-// step; its walls cut cells (openings.hpp), and only cells at the water are worked on (wet_lines.hpp).
+// dt (s_x / dx + s_z / dz) <= 1/2, s the fastest wave along each axis; a step after which one is negative is taken anew
+// with half of dt, as waves may speed up within it. A recirculating channel gets, after each step, the velocity along x
+// that all of it lacks to v_F. On a site (site_water.hpp) what came in and left meanwhile follows after each step; its
+// walls cut cells (openings.hpp), and only cells at the water are worked on (wet_lines.hpp).
 
 #include <array>
 #include <optional>

@@ -8,10 +8,10 @@
 //   q = (2/3) C sqrt(2 g) H^1.5 (1 - (H_d / H)^1.5)^0.385,   C = 0.611 + 0.08 min(H / P, 5)
 //
 // q is at most what levels both sides in two and a half steps, as the law would swing about equal levels otherwise. The higher side
-// loses the momentum q u, u = q / h of it. The other side gets q times the velocity at critical depth, 3 q / (2 H), or q times that
-// with which the water flows off, q / h, if this is less. The rest is lost where the water plunges in: so the level beside the wall
-// is that of the tailwater, to which H_d belongs. The wall stops what velocities it faces beyond those of q, and pushes as in
-// openings.hpp.
+// loses the momentum q u, u = q / h of it. The other side gets q times the velocity at critical depth, 3 q / (2 H), or
+// q times the velocity of the water flowing off, q / h, if this is less. The rest is lost where the water plunges in,
+// so that the level beside the wall is the tailwater level, which H_d measures. The wall stops velocities towards it
+// beyond those of q, and pushes as in openings.hpp.
 
 #include <algorithm>
 #include <cmath>

@@ -19,7 +19,7 @@
 
 namespace wade::fluid::shallow_water {
 
-// Faces across the whole width whose flux is summed up, for whoever hands water over there (mixed/).
+// Faces across the whole width with a running sum of the flux, for the exchange with particles there (mixed/).
 struct WatchedFace {
     std::size_t face = 0;                        // the lower one of the cells of this number along x
     double volume = 0;                           // that passed towards +x since this was last set to 0, m^3
@@ -89,7 +89,7 @@ void update_primitive(ShallowWater& world);
 void update_active(ShallowWater& world);
 void update_exchanged(ShallowWater& world);
 
-// Of a site: the cells to be worked on from now on, from the water in those that are now.
+// Finds the active cells of a site for the next steps, from the water in the current ones.
 void find_active(ShallowWater& world);
 
 // How many cells a step works on.
@@ -140,7 +140,7 @@ void set_water(ShallowWater& world, Depth&& depth, VelocityX&& u, VelocityZ&& v)
 // With fewer cells than this the threads would wait for one another longer than they work.
 inline constexpr std::size_t serial_below = 4096;
 
-// Calls body(first row, end row, buffer) for a band of rows in each thread, of those that this process has.
+// Calls body(first row, end row, buffer) in each thread for a band of the rows that this process has.
 template <typename Body>
 void for_each_band(ShallowWater& world, Body&& body) {
     const Grid& grid = world.grid;

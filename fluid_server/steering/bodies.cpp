@@ -48,7 +48,7 @@ void push_away(const Body& body, const Settings& s, const Vec3& x, float dt, dou
         approach += normal[k] * (v[k] - static_cast<float>(body.vehicle.velocity[k]));
     }
     float change = dt * s.wall * push(s.wall_radius, std::max(gap, 0.0F)) / mass_factor;
-    // Who would be inside after the step keeps the speed that brings it to the surface at most.
+    // A particle that would be inside after the step approaches at most at the speed that brings it to the surface.
     change = std::max(change, -std::max(gap, 0.0F) / dt - approach);
     if (!(change > 0)) return;
     for (std::size_t k = 0; k < 3; ++k) {

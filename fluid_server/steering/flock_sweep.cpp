@@ -24,7 +24,7 @@ struct FlockSums {
     V seen;  // neighbours of the alignment
 };
 
-// Whether a neighbour, whose direction from the particle is -way / r, is within an angle of its velocity.
+// Returns whether a neighbour, in the direction -way / r, is within an angle of the particle's velocity.
 HWY_INLINE hn::Mask<Lanes> looks_at(V ahead, float cosine, hn::Mask<Lanes> stands) {
     return hn::Or(stands, hn::Ge(ahead, all(cosine)));
 }

@@ -23,7 +23,7 @@ namespace {
 // The margin of the lists, in spacings: wider lists serve longer and cost more in each step.
 constexpr double margin_in_spacings = 0.3;
 
-// The scene without anything in which a particle would see an image.
+// Returns the scene without solids, so that no particle sees a mirror image.
 Scene without_solids(Scene scene) {
     scene.channel->flow = Flow::periodic;
     scene.channel->sides = Sides::periodic;
@@ -140,7 +140,7 @@ void SteeringWorld::accelerate(float dt) {
     Particles& p = particles_;
     const std::vector<float>& mass = mass_factors(p);
     const auto gx = static_cast<float>(gravity_x_), gy = static_cast<float>(gravity_y_);
-    // Everybody's force from the same velocities, before anybody's changes.
+    // All forces use the same velocities, before any velocity changes.
     for_each_block(p.count, [&](std::size_t, std::size_t, std::size_t b) {
         sum_flock(b, p, lists_, settings_, {ax_.data(), ay_.data(), az_.data()});
     });

@@ -26,7 +26,7 @@ struct Extent {
     }
 };
 
-// Cells of `side` m over a line or a polygon and `margin` m more, of those within the world and its margin.
+// Returns cells of `side` m over a line or a polygon and `margin` m more, clipped to the world and its margin.
 PlanCells cells_over(const MapPolygon& polygon, const MapLine& line, const SiteShape& shape, double side,
                      double margin) {
     Extent extent;
@@ -128,8 +128,8 @@ void find_water(const Particles& p, ParticleSource& source) {
     }
 }
 
-// The lowest height above the water of a site at which no particle is nearer than `apart`: those of its cell and of the eight
-// round it. None of the outermost cells is a site.
+// Returns the lowest height above the water of a site without a particle nearer than `apart`, among the particles of
+// its cell and of the eight round it. None of the outermost cells is a site.
 float free_height(const ParticleSource& source, int site, const MapPoint& place, float spacing) {
     const float apart = 0.95F * spacing;
     const auto c = static_cast<std::size_t>(site);

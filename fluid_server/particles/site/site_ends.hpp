@@ -1,14 +1,14 @@
 #pragma once
-// What comes to a site and what leaves it, particle by particle.
+// Sources and outlets of a site, particle by particle.
 //
 //   N(t) = floor(V(t) / d^3)     particles that a source has made by then, V the integral of its hydrograph
 //
-//      . <- at rest, above the water     A source makes its next one where the fewest particles lie on its ground, at the lowest
-//   ~~~~~~~~                          height at which it has room. As in the shallow water it brings mass and no momentum: the
-//   o o o o o                         weight of what lies under a source drives what flows off.
+//      . <- at rest, above the water  A source makes its next particle where the fewest particles lie on its ground, at
+//   ~~~~~~~~                          the lowest free height. As in the shallow water it adds mass and no momentum: the
+//   o o o o o                         weight of the water under a source drives the outflow from it.
 //
-// Who comes to a free outlet has left: who lies in its polygon, or no further than d from its line, or beyond a side of the
-// world that is open all along. What has come in follows from the time alone, so that a run goes on from a state of any time.
+// A free outlet removes particles in its polygon, or no further than d from its line, or beyond a side of the world
+// that is open all along. The inflow depends on the time alone, so that a run can continue from a state of any time.
 
 #include <cstdint>
 #include <string>
@@ -43,7 +43,7 @@ struct PlanCells {
 struct ParticleSource {
     Series discharge;                      // m3/s
     PlanCells cells;                       // d wide each, over the source and a cell beyond
-    std::vector<int> sites;                // cells in which it makes particles
+    std::vector<int> sites;                // cells that it fills with particles
     std::vector<float> ground;             // of each cell, m
     std::vector<std::vector<Vec3>> water;  // particles over each cell; of the moment, kept for its memory
 };

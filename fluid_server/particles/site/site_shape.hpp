@@ -59,7 +59,7 @@ struct SiteShape {
     enum Side : std::size_t { x_lo, x_hi, z_lo, z_hi };
 
     Interval x, z;                   // m
-    std::array<bool, 4> open{};      // sides that are no wall: who passes them has left
+    std::array<bool, 4> open{};      // sides without a wall: particles leave there
     std::vector<MapPolygon> houses;  // even-odd each; may touch, overlap and reach beyond the world
     std::vector<Barrier> gates;      // walls as thin as nothing until they open
     GroundGrid ground;

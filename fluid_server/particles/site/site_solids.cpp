@@ -11,12 +11,12 @@ namespace wade::fluid {
 
 namespace {
 
-// In an oblique corner what one wall leaves of a velocity runs into the other one, and less of that into the first. Who still runs
-// into something after so many rounds stops.
+// In an oblique corner the velocity that one wall leaves runs into the other one, and a smaller rest into the first. A
+// particle that still runs into a wall after so many rounds stops.
 constexpr int rounds = 8;
 constexpr int rounds_of_places = 3;
 
-// How far walls at open sides go on beyond them, in support radii: who has left the world still sees them until taken out.
+// Length of walls beyond open sides, in support radii: a particle that has left the world sees them until removed.
 constexpr double beyond_open_sides = 3;
 
 // An approach of less than this share of the contact distance in a step is none.
@@ -212,7 +212,7 @@ bool SiteSolids::touch_wall(const Wall& wall, const Vec3& x, float dt, Vec3& v) 
     float mx = wall.nx, mz = wall.nz;
     const std::uint32_t beyond = from.s > 0 ? wall.after : wall.before;
     if (from.at_end && beyond != Wall::none) {
-        // Past an edge the wall in front of which the particle is farther decides, as with boxes.
+        // Past an edge the wall with the larger distance to the particle decides, as with boxes.
         const Wall& other = walls_[beyond];
         distance = wall.distance(x[0], x[2]);
         const float next = other.distance(x[0] + dt * v[0], x[2] + dt * v[2]);

@@ -1,6 +1,6 @@
 #pragma once
-// What confines the water on a site: ground of any shape and walls at any angle. As in straight channels both are smooth mirrors
-// and keep sheets of water off by contact (solids.hpp); who sees what in them stands in neighbours/billiard.hpp.
+// The solids of a site: ground of any shape and walls at any angle. As in straight channels both are smooth mirrors and
+// keep sheets of water off by contact (solids.hpp); neighbours/billiard.hpp has the visibility of mirror images.
 
 #include <array>
 #include <cstddef>
@@ -27,7 +27,7 @@ struct GroundPlane {
     [[nodiscard]] float height(float x, float z) const { return (c - n[0] * x - n[2] * z) / n[1]; }
 };
 
-// The triangles of a GroundGrid by the planes in which they lie; neighbours in one plane share it.
+// The triangles of a GroundGrid by their planes; coplanar neighbours share one plane.
 struct GroundFacets {
     static constexpr std::size_t most_planes = 33'000'000;
 

@@ -25,7 +25,7 @@ struct Wall {
     float nx = 0, nz = 1;
     float length = 0;                            // m
     std::uint32_t before = none, after = none;   // walls that go on from its ends
-    std::int32_t house = -1;                     // whose wall it is, or -1
+    std::int32_t house = -1;                     // house that it belongs to, or -1
     bool edge_before = true, edge_after = true;  // water turns by more than a half turn there, or the wall ends in it
 
     // Of a place in plan from its line, m, positive on the side of the water; and along it from `a` on.

@@ -129,8 +129,8 @@ void keep_largest_parts(OpenGrid& grid, const Cover& cover) {
     }
 }
 
-// A gate that ends in a cell of which a wall has a part goes on beyond that cell's centre, as the face beside the wall stays
-// open otherwise.
+// Lengthens a gate beyond the centre of its end cell if a wall fills a part of that cell; otherwise the face beside the
+// wall stays open.
 MapLine up_to_walls(const OpenGrid& open, const Grid& grid, MapLine line) {
     const auto lengthen = [&](MapPoint& end, const MapPoint& from) {
         const double column = (end.x - grid.x.lo) / grid.dx, row = (end.z - grid.z.lo) / grid.dz;

@@ -70,11 +70,11 @@ struct Group {
     double share = 0;                           // open, of whole cells
 };
 
-// Rows of faces, ghosts included, of which some are open less than 1.
+// Rows of faces, ghost faces included, with some aperture below 1.
 struct NarrowedRows {
     std::vector<std::uint8_t> rows;
 
-    // The shares of the faces from place c on in a row; null if all of the row are open.
+    // Returns the apertures of the faces from index c on in a row; null if the whole row is open.
     [[nodiscard]] const double* from(const RowMemory& shares, std::size_t c, const Grid& grid) const {
         return rows.empty() || rows[c / grid.stride] == 0 ? nullptr : shares.data() + c;
     }
@@ -82,7 +82,7 @@ struct NarrowedRows {
 
 struct Openings {
     RowMemory share;           // s by cell; empty: all is open, and so is all below
-    RowMemory per_share;       // 1 / s; 0 of cells that are closed, -1 / s of those in a group
+    RowMemory per_share;       // 1 / s; 0 in closed cells, -1 / s in cells of a group
     RowMemory face_x, face_z;  // a of the face below each cell
     NarrowedRows narrowed_x, narrowed_z;
     EntriesByRow<WallCell> walls;

@@ -52,8 +52,8 @@ double mean_over(const Raster& raster, const MapPoint& centre, double dx, double
     return count > 0 ? sum / count : nothing;
 }
 
-// Straight between the four centres around a point, of those that say something; constant in the outer half of the cells at
-// the raster's edge.
+// Interpolates linearly between the four cell centres around a point, without centres that have no value; constant in
+// the outer half of the cells at the raster's edge.
 double between_centres(const Raster& raster, const MapPoint& p) {
     const double x = (p.x - raster.x) / raster.cell - 0.5, z = (p.z - raster.z) / raster.cell - 0.5;
     const auto columns = static_cast<double>(raster.columns), rows = static_cast<double>(raster.rows);

@@ -19,8 +19,8 @@ RowMemory squares_of_manning(const Roughness& roughness, const Grid& grid);
 // Height where the ground says something, else 0, and friction.
 Bed site_bed(const Site& site, const Grid& grid);
 
-// Depths at t = 0, m: up to the highest level whose polygon covers the cell, less where it covers only a part, or that of the
-// raster, if it is more. open: share of each cell that is no house; empty: all is open.
+// Sets the depths at t = 0, m: up to the highest level with a polygon over the cell, less where it covers only a part,
+// or the depth of the raster, if it is more. open: fraction of each cell that is no house; empty: all is open.
 void fill_site(const Site& site, const Grid& grid, const RowMemory& ground, const RowMemory& open, RowMemory& depth);
 
 }  // namespace wade::fluid::shallow_water

@@ -128,8 +128,8 @@ struct BoundaryFlow {
     double h = 0, u = 0;
 };
 
-// Returns the speed, relative to the water inside, at which the level outside moves in, m/s: of a bore where it is higher, from
-// the balance of momentum. inside, outside: celerities sqrt(g h) and sqrt(g d).
+// Returns the speed of the incoming wave relative to the water inside, m/s; a bore by momentum balance if the level
+// outside is higher. inside, outside: celerities sqrt(g h) and sqrt(g d).
 double fastest_inwards(double inside, double outside) {
     if (!(outside > inside)) return inside;
     return outside * std::sqrt((outside * outside + inside * inside) / 2) / inside;

@@ -61,7 +61,7 @@ struct SiteWater {
     std::vector<SiteSource> sources;
     Series rain;  // m/s
     std::vector<SiteOutlet> outlets;
-    std::vector<double> openings_of_gates;  // times at which gates open that are still to come, ascending, s
+    std::vector<double> openings_of_gates;  // future opening times of gates, ascending, s
     std::vector<std::size_t> groups;        // with a cell of a source or an outlet (openings.hpp)
     std::vector<double> volumes;            // of the cells of outlets, memory
 };
@@ -72,8 +72,8 @@ SiteWater make_site_water(const Site& site, const Grid& grid, const Openings& op
 // The time, at most `remaining`, until a gate opens.
 double until_gate_opens(const SiteWater& site, double time, double remaining);
 
-// The longest step, at most `longest`, s, at whose end the wave of what came in on dry ground meanwhile, of depth h, has not
-// run further than `way`, m: dt sqrt(g h) <= way.
+// Returns the longest step of at most `longest`, s, that keeps the wave of the inflow on dry ground, of depth h, within
+// the distance `way`, m: dt sqrt(g h) <= way.
 double longest_with_inflow(const SiteWater& site, double time, double longest, double gravity, double way);
 
 struct Passed {
@@ -107,7 +107,7 @@ std::vector<std::size_t> groups_of(const SiteWater& site, const Openings& openin
 // Sources, rain and outlets over the step from a time, s, on.
 Passed exchange(SiteWater& site, const SiteCells& cells, double time, double dt);
 
-// Forgets the gates whose time has come, and says whether there were any.
+// Removes the opening times that have come, and returns whether there were any.
 bool gates_open(SiteWater& site, double time);
 
 // Times are sums of steps, s.
