@@ -209,7 +209,7 @@ inline constexpr std::uint64_t doorbell_offset = 2 * page_bytes;
 inline constexpr std::uint64_t consumers_offset = 3 * page_bytes;
 inline constexpr std::uint64_t descriptors_offset = consumers_offset + max_consumers * page_bytes;
 
-// Bytes of the file on which participants hold their locks (OFD, exclusive) as long as they live.
+// Bytes of the file that participants lock (OFD, exclusive) as long as they live.
 inline constexpr std::uint64_t producer_lock_byte = 0;
 inline constexpr std::uint64_t consumer_lock_byte = 1;  // of consumer 0, consumer i holds the i-th after it
 

@@ -13,7 +13,7 @@
 namespace wade::shm {
 namespace {
 
-// Remembers why the stream cannot go on, for those who are still attached when the publisher goes.
+// Records why the stream cannot go on; attached consumers learn the reason when the publisher goes.
 template <typename State, typename Work>
 auto explained(State& state, Work&& work) {
     try {

@@ -25,7 +25,7 @@ struct PublisherState;  // shm_protocol/inside/publisher_state.hpp
 // marks the stream as aborted. Every Error ends the stream: the consumers learn the reason when the object goes.
 class Publisher {
  public:
-    // Creates the segment; replaces one whose producer is dead.
+    // Creates the segment; replaces the segment of a dead producer.
     // Errors: name_in_use if its producer is alive or it belongs to another user; std::invalid_argument for a value
     // out of range; std::system_error, for example when /dev/shm is full.
     Publisher(const std::string& session, StreamInfo info, Waiting waiting = {});
@@ -35,8 +35,8 @@ class Publisher {
 
     [[nodiscard]] const StreamInfo& info() const;
 
-    // Waits until n consumers in lockstep have joined, at least one of which is no follower; they take part from the
-    // next frame on. Only before frame 1.
+    // Waits until n consumers in lockstep have joined, at least one of them no follower; they take part from the next
+    // frame on. Only before frame 1.
     // Errors: attach_timeout; peer_dead; peer_aborted, also when a consumer refused the stream (another scene).
     void wait_for_consumers(int n = 1);
 

@@ -12,16 +12,16 @@ namespace wade {
 // Tolerance for sums of decimal values such as 6 * 0.05, which differ from the decimal sum by rounding.
 inline constexpr double rounding_tolerance = 1e-9;
 
-// Throws one ConfigurationError with a line, beginning with `source` and the JSON pointer, for each of these that is wrong;
-// for what lies where first, as the others compute with lengths and places:
+// Throws one ConfigurationError with a line for each fault; a line begins with `source` and the JSON pointer. Geometry
+// is checked first, because the other checks compute with its lengths and positions:
 //   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another
 //   boundaries  bed points, top, planes without slip, slope, friction, an inflow that changes
-//   site        where there is one: ground without holes, houses and water that lie on it, and no agents in walls
-//   water       a flow that can be, spacing against the channel, periodic lengths, capacity, iteration limits
-//   crowd       groups, start places, goals, markers, ragdoll, events
+//   site        if the scene has one: ground without holes, houses and water that lie on it, and no agents in walls
+//   water       a possible flow, spacing against the channel, periodic lengths, capacity, iteration limits
+//   crowd       groups, start positions, goals, markers, ragdoll, events
 void check_scene(const Scene& scene, const std::string& source);
 
-// Where the agents of a scene start, before their jitter, in the order of their numbers.
+// Start positions of a scene's agents before their jitter, m, in the order of agent ids.
 struct StartPlace {
     double x = 0, z = 0;
     std::size_t group = 0;
@@ -52,7 +52,8 @@ void check_residents(const Scene& scene, const std::string& source, Problems& pr
 // first; of more than five the last sentence tells how many. None if the water does not consist of particles.
 [[nodiscard]] std::vector<std::string> narrow_gaps(const Scene& scene);
 
-// Sentences for frames or steps so rare that what people by their bodies meet of changing water depends on them; of both programs.
+// Returns warnings for frame or step rates so low that outcomes of people with the body response depend on them in
+// changing water; for both programs.
 [[nodiscard]] std::vector<std::string> rate_warnings(const Scene& scene);
 
 // Whether the flow brings or starts with water up to channel.depth.
@@ -78,7 +79,7 @@ namespace on_map {
 // Throws "SOURCE: POINTER: SENTENCE".
 [[noreturn]] void refuse(const std::string& source, const std::string& pointer, const std::string& sentence);
 
-// Throws for the first of a list of points whose time, s, is earlier than that of the one before it.
+// Throws at the first time of a list, s, that is earlier than the time before it.
 void check_times(const std::vector<double>& times, const std::string& source, const std::string& list);
 
 }  // namespace wade

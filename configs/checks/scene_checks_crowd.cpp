@@ -1,4 +1,4 @@
-// Whether the agents have places, goals and markers, and whether events name what exists.
+// Checks start positions, goals and markers of the agents, and that events name what exists.
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +64,7 @@ void check_distances(const std::vector<StartPlace>& places, const Crowd& crowd, 
     }
 }
 
-// The goal's place in a periodic world, where its x counts on over the ends.
+// Returns the goal's x wrapped into one period of the world; unchanged if the world is not periodic.
 double goal_in_world(const Scene& scene, double x) {
     const double period = scene.world->period();
     return period > 0 ? x - period * std::floor(x / period) : x;
@@ -97,7 +97,7 @@ void check_groups(const Scene& scene, const std::string& source, Problems& probl
     }
 }
 
-// Their numbers and places must fit into memory before they can be looked at one by one.
+// Limits the number of agents, so that the start positions fit into memory before they are checked one by one.
 void check_number(const Crowd& crowd, const std::string& source) {
     constexpr std::int64_t most = 10'000'000;
     std::int64_t agents = 0;
@@ -107,7 +107,7 @@ void check_number(const Crowd& crowd, const std::string& source) {
            std::to_string(agents) + " agents in all are too many; allowed: <= " + std::to_string(most) + ".");
 }
 
-// The first agent of each group that has no place to start.
+// Notes the first agent of each group that cannot start at its position.
 void check_starts(const std::vector<StartPlace>& places, const Scene& scene, const std::string& source,
                   Problems& problems) {
     std::set<std::size_t> told;
@@ -137,9 +137,9 @@ void check_sub_cells(const Crowd& crowd, const std::string& source) {
                short_number(cell / side) + " m; allowed: <= " + short_number(cell / side) + " m.");
 }
 
-// n markers per cell of 4 m2 whose discs of radius r/2 may not overlap cover the share n pi (r/2)^2 / 4. Discs placed
-// one by one at random jam at 0.547 (random sequential adsorption in the plane, Feder 1980); half of the ground leaves
-// the generator room to end.
+// Checks that the markers fit: per cell of 4 m2, n discs of radius r/2 without overlap cover the fraction
+// n pi (r/2)^2 / 4. Discs placed one by one at random jam at 0.547 (random sequential adsorption in the plane, Feder
+// 1980); the limit of 0.5 lets the generator finish.
 void check_markers(const Crowd& crowd, const std::string& source) {
     if (crowd.markers == MarkerRule::redrawn) {
         check_sub_cells(crowd, source);
@@ -231,7 +231,7 @@ void check_bodies(const Scene& scene, std::size_t g, const std::string& source, 
     }
 }
 
-// Times in order, and nobody with a tau in time who answers by its body.
+// Checks that the times of tau histories do not decrease, and that people with the body response have no history.
 void check_tau_histories(const Crowd& crowd, std::size_t g, const std::string& source, Problems& problems) {
     const AgentGroup& group = crowd.groups[g];
     const std::string pointer = "/crowd/groups/" + std::to_string(g);
@@ -251,7 +251,8 @@ void check_tau_histories(const Crowd& crowd, std::size_t g, const std::string& s
     }
 }
 
-// Whether those who are to hold one another can.
+// Checks that people of a group with hand_in_hand can hold one another: the response has hands, and neighbours are
+// within reach.
 void check_hands(const Scene& scene, const AgentGroup& group, const std::string& source, const std::string& pointer) {
     if (group.hand_in_hand == HandInHand::none) return;
     const std::string key = pointer + "/hand_in_hand", hands = name_of(group.hand_in_hand);

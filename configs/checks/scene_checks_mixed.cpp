@@ -1,4 +1,5 @@
-// What the mixed model needs beside what shallow water needs: a window that fits, and somebody who says where it is.
+// Checks of the hybrid model (`mixed`) beyond those of shallow water: a level bed, a particle region that fits into the
+// channel, and a key or agents that say where the region is.
 
 #include "configs/checks/scene_checks.hpp"
 #include "configs/scene/channel.hpp"

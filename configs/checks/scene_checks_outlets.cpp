@@ -137,7 +137,7 @@ class OutletCells {
 
     // A wave comes and leaves over water: at least one cell of the outlet is wet at rest.
     void check_rest(const Outlet& outlet, const WaterEnd& end) const {
-        constexpr std::size_t most_points = 10'000'000;  // [A] from which heights are found: 0.1 s
+        constexpr std::size_t most_points = 10'000'000;  // [A] cells times points: 0.1 s; beyond it cells are skipped
         const std::size_t step =
             1 + count_of(end.spans) * std::max<std::size_t>(1, ground_.points.size()) / most_points;
         const double rest = outlet.stage.front().value;

@@ -84,7 +84,7 @@ void check_leaving(const AgentGroup& group, const std::string& source, const std
     }
 }
 
-// The first of the table who has no group or no place.
+// Throws at the first resident of the table outside the world or in a group that does not start in houses.
 void check_table_of_residents(const Scene& scene, const std::string& source) {
     std::set<std::string> groups;
     for (const AgentGroup& group : scene.crowd->groups) {

@@ -60,7 +60,8 @@ void check_neighbourhoods(const Scene& scene, const std::string& source) {
                    " d reach behind the layers that wait in the emitter; allowed: <= " + short_number(waiting) +
                    " d, or the kernel \"wendland_c2\" for 3 d.");
     }
-    // Nobody may see another twice; sight is exact, so that two radii do.
+    // No particle may find a neighbour twice across a periodic boundary. Neighbourhoods are exact, so two radii
+    // suffice.
     const double shortest = 2 * (reach.radius + margin) * d;
     const auto check = [&](bool periodic, double length, const char* pointer) {
         if (!periodic || length >= shortest * (1 - rounding_tolerance)) return;

@@ -1,5 +1,5 @@
 #pragma once
-// Mistakes that are reported together, so that who wrote three of them need not start three times.
+// Reports mistakes together, so that a user with three mistakes need not start three times.
 
 #include <algorithm>
 #include <cstddef>

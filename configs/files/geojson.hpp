@@ -29,9 +29,9 @@ struct MapFeatures {
     std::optional<int> epsg;  // of its coordinate system, if it names one in the member crs
 };
 
-// Features without a geometry are left out. Coordinates that look like degrees are refused, but not of a `plan`, whose metres
-// belong to no coordinate system. Keys that stand twice and polygons that are not valid
-// are refused. Throws ConfigurationError that names file, feature, value and remedy.
+// Reads the features; those without a geometry are left out. Refuses coordinates that look like degrees, except in a
+// `plan`, which has metres outside any coordinate system. Refuses repeated keys and invalid polygons. Throws
+// ConfigurationError that names file, feature, value and remedy.
 [[nodiscard]] MapFeatures read_geojson(const std::filesystem::path& file, bool plan = false);
 [[nodiscard]] MapFeatures parse_geojson(std::string_view text, const std::string& name, bool plan = false);
 

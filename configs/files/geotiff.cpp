@@ -40,7 +40,7 @@ constexpr std::uint16_t key_model = 1024, key_raster = 1025, key_geographic = 20
 constexpr std::uint16_t model_projected = 1, model_geographic = 2, raster_is_area = 1, raster_is_point = 2,
                         metre = 9001, of_no_number = 32767;
 
-TIFFExtendProc next_extender = nullptr;  // of who else uses libtiff in this program; set once
+TIFFExtendProc next_extender = nullptr;  // of another user of libtiff in this program; set once
 
 void add_tags(TIFF* tiff) {
     static std::array<char, 6> scale{"Scale"}, point{"Point"}, matrix{"Matri"}, keys{"GKeys"}, none{"NoDat"},

@@ -10,7 +10,8 @@ namespace wade {
 
 namespace {
 
-// Each value of `document` whose key names a file. Values of a wrong type are left to who checks them.
+// Visits each value of `document` with a key that names a file. Skips values of a wrong type; check_keys() reports
+// them.
 void visit_paths(Json& document, const KeyNode& node, const std::function<void(Json&)>& visit) {
     if (node.key.is_path) {
         if (document.is_string() && !document.get<std::string>().empty()) visit(document);

@@ -26,15 +26,15 @@ void merge_over(Json& lower, const Json& upper);
 // nor "$schema".
 [[nodiscard]] Json merge_layers(const std::vector<Json>& layers);
 
-// Puts the people of each table that `people_csv` names, of the crowd or of a group, in its place: a file with keys of
-// /crowd/people in its first line and a person in each other. Paths are relative to the folder of `scene_file`. Notes what is
-// wrong with file, line, column, value and what is allowed.
+// Replaces each `people_csv`, of the crowd or of a group, by the people of the table that it names. The first line of a
+// table holds keys of /crowd/people, each further line a person. Paths are relative to the folder of `scene_file`.
+// Notes faults with file, line, column, value and what is allowed.
 void take_people(Json& document, const std::filesystem::path& scene_file, Problems& problems);
 
 // Makes the paths that keys of `document` name absolute: they are relative to `folder`.
 void make_paths_absolute(Json& document, const std::filesystem::path& folder);
 
-// Puts a hash of the contents of the file in the place of each path, so that scenes of equal contents have equal texts.
+// Replaces each path by a hash of the file's contents, so that scenes of equal contents have equal texts.
 void put_contents_for_paths(Json& document);
 
 }  // namespace wade

@@ -17,7 +17,7 @@ struct SceneOverride {
 // Splits "/json/pointer=value"; throws ConfigurationError if that is not its form.
 [[nodiscard]] SceneOverride parse_override(const std::string& assignment);
 
-// Sets one value; its pointer must exist in the schema, missing objects on the way are made. In an array the index may
+// Sets one value; its pointer must exist in the schema, missing objects along it are created. In an array the index may
 // be that of an element or, to append, the number of elements.
 void apply_override(Json& document, const SceneOverride& change);
 

@@ -94,7 +94,7 @@ class SiteReader {
 
     Site read(const World& world) {
         take("/ground", [&] { read_ground(); });
-        if (!problems_.none()) return std::move(site_);  // without an origin nothing has a place
+        if (!problems_.none()) return std::move(site_);  // without an origin nothing has a position
         find_heights(world.length, world.width);
         each("/houses", keys_.houses, [&](const auto& key, const auto& pointer) { read_houses(key, pointer); });
         take("/manning", [&] { read_manning(); });
@@ -489,7 +489,7 @@ void read_site(Scene& scene, const SetByScene& set, const std::string& source, P
         if (!set.length) scene.world->length = raster->x + static_cast<double>(raster->columns) * raster->cell;
         if (!set.width) scene.world->width = raster->z + static_cast<double>(raster->rows) * raster->cell;
     }
-    constexpr double most_cells = 1e6;  // of ways: more are solved more slowly than people walk
+    constexpr double most_cells = 1e6;  // of a travel-time field; solving more takes longer than people walk
     double& cell = scene.crowd->navigation.cell;
     const double of_that_many = std::sqrt(scene.world->length * scene.world->width / most_cells);
     if (!set.ways_cell) cell = std::clamp(of_that_many, cell, 10.0);

@@ -13,8 +13,9 @@ struct SetByScene {
     bool length = false, width = false, model = false, ways_cell = false;
 };
 
-// Reads what /site of `scene` names and fills scene.site, the extent of the world and cells of ways where the scene sets
-// none, and a closed channel of that extent. Notes what is wrong with key, file, feature, value and remedy; `source` names the scene.
+// Reads the files that /site of `scene` names. Fills scene.site and a closed channel of the world's extent. Sets the
+// extent of the world and the cell size of the travel-time fields where the scene sets none. Notes faults with key,
+// file, feature, value and remedy; `source` names the scene.
 void read_site(Scene& scene, const SetByScene& set, const std::string& source, Problems& problems);
 
 }  // namespace wade

@@ -1,5 +1,5 @@
 #pragma once
-// 64-bit FNV-1a (Fowler, Noll, Vo): tells changes of a text or an array, and keeps nobody out.
+// 64-bit FNV-1a (Fowler, Noll, Vo): detects changes of a text or an array, but is no protection against forgery.
 
 #include <cstdint>
 #include <string_view>

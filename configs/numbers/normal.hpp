@@ -5,8 +5,8 @@
 
 namespace wade {
 
-// The value of [lo, hi] below which the share u of the normal values within these limits lies, u in [0, 1]. Bisection: the
-// shares rise, and 80 halvings leave nothing.
+// Returns the quantile u, in [0, 1], of the normal distribution with `mean` and `sd` truncated to [lo, hi]. By
+// bisection: the cumulative fraction rises, and 80 halvings leave no interval.
 [[nodiscard]] inline double normal_within(double lo, double hi, double mean, double sd, double u) {
     double z_lo = (lo - mean) / sd, z_hi = (hi - mean) / sd;
     const double from = normal_share(z_lo), share = from + u * (normal_share(z_hi) - from);
@@ -18,8 +18,8 @@ namespace wade {
     return value < lo ? lo : value > hi ? hi : value;
 }
 
-// A value of all agents of a group, or limits in which each agent's own is drawn: uniformly, or normally with the mean and the
-// standard deviation that the values would have without limits.
+// One value for all agents of a group, or limits for a value drawn for each agent: uniformly, or normally with the mean
+// and the standard deviation that the values would have without limits.
 struct Spread {
     double lo = 0;
     double hi = 0;

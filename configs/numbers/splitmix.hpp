@@ -3,7 +3,7 @@
 //
 //   mix_bits(key + n splitmix_step)
 //
-// so that a draw does not depend on who made the draws before it.
+// so that a draw does not depend on the draws before it.
 
 #include <cstdint>
 

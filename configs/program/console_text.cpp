@@ -40,7 +40,7 @@ std::string wrapped_line(std::string line, std::size_t indent, std::size_t colum
     while (columns_of(line) > columns) {
         const std::size_t end = end_of(line, columns);
         std::size_t space = line.rfind(' ', end);
-        // Neither a space within the indent nor one that leaves the line nearly empty is a place to break at.
+        // A line does not break at a space within the indent or one that leaves the line nearly empty.
         const bool early = space == std::string::npos || space < line.find_first_not_of(' ') + columns / 4;
         if (early) space = end;
         text += line.substr(0, space) + "\n";

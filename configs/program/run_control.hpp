@@ -1,5 +1,5 @@
 #pragma once
-// What a user asks of a run while it goes on: pause, single steps, another tau, the end.
+// User commands to a running program: pause, single steps, another tau, the end.
 //
 //   signals   SIGUSR1 pauses or resumes, SIGUSR2 lets a paused run do one step (a running one pauses after it)
 //   lines     of a terminal, a pipe or a FIFO:  pause | resume | step [N] | tau VALUE [agent ID | group NAME] | quit
@@ -74,9 +74,9 @@ class RunControl {
     // Signals are taken from now on. Throws as CommandLines.
     explicit RunControl(const std::string& commands);
 
-    // Takes what has been asked and holds the caller as long as the run is paused; a step that was asked for lets it go
-    // once. A line that is not understood becomes a message. The end of the commands ends a pause, which nobody could
-    // end any more.
+    // Takes the commands received and holds the caller while the run is paused; a step command lets it go once. A line
+    // that is not understood becomes a message. The end of the command input ends a pause, because no further line
+    // could.
     void wait_while_paused(const Hooks& hooks);
 
     // Whether the run is to end here.
@@ -89,7 +89,7 @@ class RunControl {
     void take_all(const Hooks& hooks);
     void obey(const Command& command);
 
-    CommandLines lines_;  // made after the signals are taken: who sees the FIFO may send them
+    CommandLines lines_;  // made after the signal handlers: users may signal once they see the FIFO
     bool paused_ = false;
     bool quit_ = false;
     std::uint64_t steps_left_ = 0;

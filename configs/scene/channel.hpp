@@ -34,7 +34,7 @@ struct BedPoint {
 
 enum class Plane { bed, top, x_min, x_max, z_min, z_max, obstacles };
 
-// A plane at which viscous water takes the plane's velocity.
+// A no-slip boundary: viscous water has the plane's velocity there.
 struct NoSlip {
     Plane plane = Plane::bed;
     std::array<double, 3> velocity{};

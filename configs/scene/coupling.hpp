@@ -8,9 +8,9 @@ enum class CouplingRule {
     per_frame,  // Eq. 9 in each step
     continuous  // agents tend to the velocity of Eq. 9, in continuous time
 };
-enum class AgentsStream { off, serial, parallel };  // the way back, coupling lag 0 or 1
+enum class AgentsStream { off, serial, parallel };  // from the crowd to the water; coupling lag 0 or 1
 
-enum class Shelter { off, wake };  // of people behind people; a wake finer than the water shows
+enum class Shelter { off, wake };  // wake shielding of people behind people, finer than the water resolves
 
 struct Coupling {
     ContactRule contact_rule = ContactRule::difference;

@@ -1,5 +1,5 @@
 #pragma once
-// Settings of the crowd: how people walk, find their way and answer the water.
+// Settings of the crowd: how people walk, choose routes and respond to the water.
 
 #include <optional>
 #include <vector>
@@ -12,12 +12,12 @@ enum class SpeedRule { pi, per_frame, per_second };
 enum class MarkerRule { fixed, redrawn };
 enum class BodyRule { none, fast, human };
 enum class NavigationRule {
-    automatic,  // travel_time for the goals of whom an obstacle stands in the way
+    automatic,  // travel_time for a goal once an obstacle stands between it and an agent
     straight,
     travel_time
 };
 
-// A rope that people hold on to: between two places, or fixed at one, its free end down the stream.
+// A rope that people hold: between two points, or fixed at one with its free end downstream.
 struct Rope {
     double from_x = 0, from_z = 0;      // m
     std::optional<double> to_x, to_z;   // m
@@ -42,14 +42,14 @@ struct PathSettings {
 
 enum class SlopeRule { level, tobler };  // whether slopes change how fast people walk
 
-// How agents find the way to their goal.
+// How agents find routes to their goals.
 struct NavigationSettings {
     NavigationRule rule = NavigationRule::automatic;
     double cell = 0.5;    // of the fields, m
-    double crowding = 0;  // weight of people in the way
+    double crowding = 0;  // factor on the density of people in travel times
     double every = 1;     // time after which fields with crowding, or in a site, are solved again, s; 0: never
     SlopeRule slope = SlopeRule::level;
-    double sight = 20;                   // how far who is not warned sees water, m
+    double sight = 20;                   // how far people without a warning see water, m
     std::optional<double> enters_up_to;  // deepest water that people walk into, m; none: by their stability alone
     std::optional<double> safe_above;    // height of ground that is as good as a shelter, m; none: no ground is
 };
@@ -66,10 +66,10 @@ struct EvasionSettings {
 // Hazard of drowning of people adrift, 1/s: an estimate and its limits. `best` acts, the limits are for reports.
 struct DriftHazard {
     double low = 0.002, best = 0.006, high = 0.02;
-    bool is_under = false;  // in place of a hazard: a drifting mouth counts as under water, that of a swimmer never
+    bool is_under = false;  // instead of a hazard: a drifting mouth counts as under water, a swimmer's never
 };
 
-enum class ResponseKind { paper, measured };     // people answer the water by a given tau, or by their bodies
+enum class ResponseKind { paper, measured };     // people respond to the water by a given tau, or by their bodies
 enum class WalkingLaw { relative, bernardini };  // speed in water: by that on dry ground, or by age
 
 struct Crowd {
@@ -79,7 +79,7 @@ struct Crowd {
     std::optional<double> water_temperature;  // C; none: it is not cold
     DriftHazard drift_hazard;
     double air_budget = 60;  // time that a mouth can be under water, s
-    bool helping = false;    // standing people take hold of people carried past
+    bool helping = false;    // standing people hold people who drift past
     std::vector<Rope> ropes;
     SpeedRule speed_rule = SpeedRule::pi;
     double step_rate = 30;      // steps of the crowd in a second

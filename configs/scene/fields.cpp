@@ -15,7 +15,7 @@ void take(const KeyValue& value, T& member) {
     if (const auto* held = std::get_if<Held>(&value)) member = static_cast<T>(*held);
 }
 
-// A member whose values are held as Held.
+// Returns a member with values of type Held.
 template <typename Held, typename T>
 Member member_of(T& m) {
     return {[&m] { return KeyValue(static_cast<Held>(m)); }, [&m](const KeyValue& v) { take<Held>(v, m); }};

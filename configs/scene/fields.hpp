@@ -6,7 +6,7 @@
 //       f.choice("ends", world.ends, "open: ... periodic: ...");
 //   }
 //
-// The default is what the member holds in a new struct (scene.hpp). Who visits the lists makes of them the reader and the
+// The default is what the member holds in a new struct (scene.hpp). Visitors of the lists are the reader and the
 // writer (scene_json), the table of keys with its checks and messages (keys), the schema and the documents
 // (scene_documents). Lists of the scene's structs: fields/.
 
@@ -90,8 +90,9 @@ inline const Presence required{Presence::Rule::required, {}, {}};
     return {Presence::Rule::otherwise, words, std::move(derived)};
 }
 
-// Where a key acts: only in scenes for which `here` is true. Elsewhere a value that is not the default is refused if no other
-// value of the same scene could make the key act (for_good), and else warned of: a switch turned it off.
+// Condition for a key to act: `here` returns true for the scene. Elsewhere a value other than the default is refused if
+// no other value of the same scene could make the key act (for_good). Otherwise it causes a warning: a switch turned
+// the key off.
 struct Acting {
     std::string_view words;  // after "acts only"
     std::function<bool(const Scene&)> here;
@@ -204,7 +205,7 @@ class Fields {
     void estimate(std::string_view name, const Member& member, std::string_view unit, const Range& range,
                   std::string_view word, std::string_view meaning);
 
-    // An object whose keys are those of the member's struct, or those that `inside` declares.
+    // An object with the keys of the member's struct, or with the keys that the callable `member` declares.
     template <typename T>
     void object(std::string_view name, T&& member, std::string_view meaning, const Presence& presence = preset) {
         if constexpr (std::is_invocable_v<T>) {
@@ -253,7 +254,7 @@ class Fields {
         inside();
         acting_.pop_back();
     }
-    // A text for those who read the file.
+    // A text for the loader of the file; it sets no member.
     void of_file(std::string_view name, const TextRule& rule, std::string_view meaning);
 
     // What is to be done once the keys declared so far in this object were read; a sentence if that cannot be.

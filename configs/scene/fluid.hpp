@@ -33,11 +33,11 @@ struct ShallowWaterGrid {
     double cell_size = 0.5;  // m
 };
 
-// The mixed model: particles in a window of the channel, shallow water elsewhere.
+// The hybrid model (`mixed`): particles in a region of the channel, shallow water elsewhere.
 struct MixedWindow {
     std::optional<double> x_min, x_max;  // m, where there are particles all the time
     std::optional<double> margin;        // m, round agents and obstacles; 3 depths of the water if not given
-    double chunk = 4;                    // m, by which the window moves
+    double chunk = 4;                    // m, length of one move of the region
     bool obstacles = false;              // whether there are particles round them all the time
 };
 
@@ -45,11 +45,11 @@ enum class KernelKind {
     cubic_spline,
     quartic_spline,
     wendland_c2,
-    automatic  // one of the others, see kernel_choice.hpp; no scene that is loaded has it
+    automatic  // one of the others, see kernel_choice.hpp; no loaded scene has it
 };
 
 struct PressureSolve {
-    double tolerance = 0;  // mean error that ends the iteration, see the key for what it is relative to
+    double tolerance = 0;  // mean error that ends the iteration; the key says relative to what
     int min_iterations = 0;
     int max_iterations = 0;
 };

@@ -11,7 +11,7 @@ namespace wade {
 
 namespace {
 
-// The first condition under which the key acts and which does not hold; null if the key acts.
+// Returns the key's first condition that does not hold; null if the key acts.
 const Acting* missing_condition(const Key& key, const Scene& scene) {
     const auto found =
         std::find_if(key.acting.begin(), key.acting.end(), [&](const Acting& acting) { return !acting.here(scene); });
@@ -26,7 +26,7 @@ std::string shown_default(const Json& value) {
     return text;
 }
 
-// Visits the scene and the document from which it was read side by side.
+// Visits the scene and its source document side by side.
 class Finder : public Fields {
  public:
     Finder(const Json& document, const Scene& scene) : scene_(scene), here_(&document) {}

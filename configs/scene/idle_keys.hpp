@@ -21,7 +21,7 @@ struct IdleKey {
     bool for_good = false;
 };
 
-// Returns the idle keys of `document`, a merged one from which `scene` was read, in the order of their declarations.
+// Returns the idle keys of `document`, the merged source of `scene`, in the order of their declarations.
 [[nodiscard]] std::vector<IdleKey> idle_keys(const Json& document, const Scene& scene);
 
 // Returns what is wrong with a key that is idle for good: "POINTER: VALUE has no effect, ...".

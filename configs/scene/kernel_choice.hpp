@@ -7,8 +7,8 @@
 //   else a river from the start, waves, water at rest               quartic_spline   a river of two layers stands half as wrong, a
 //                                                                                    wave's period is 0.1 times as wrong
 //
-// The figures are of docs/models_of_water.md#kernels. A kernel that reaches too far for the walls or the period of the scene gives
-// way to the next nearer one, and support_in_spacings wants the cubic spline.
+// The figures come from docs/models_of_water.md#kernels. If a kernel's support is too long for the walls or the period
+// of the scene, the next shorter kernel is used. support_in_spacings requires the cubic spline.
 
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"
@@ -17,7 +17,7 @@ namespace wade {
 
 [[nodiscard]] KernelKind kernel_needed(const Scene& scene);
 
-// Puts the kernel that the scene needs in the place of `automatic`.
+// Replaces `automatic` by the kernel that the scene needs.
 void choose_kernel(Scene& scene);
 
 }  // namespace wade

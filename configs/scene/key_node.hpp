@@ -9,7 +9,7 @@
 
 namespace wade {
 
-// A key with those below it: of an object, of the objects of a list, or "min" and "max" of a spread.
+// A key with its child keys: of an object, of the objects of a list, or "min" and "max" of a spread.
 struct KeyNode {
     Key key;
     KeyValue preset;  // of a new struct

@@ -36,7 +36,8 @@ void check_keys(const Json& value, const KeyNode& node, const std::string& point
 // Returns what is wrong with the type or the value of a key that is no object and no list; empty if nothing is.
 [[nodiscard]] std::string fault_of_value(const Json& value, const Key& key);
 
-// The same for a value of a file of others: a table (csv) or a property of GeoJSON. A text in place of a number comes with its remedy.
+// Returns the same for a value of a foreign file: a table (csv) or a property of GeoJSON. For a text instead of a
+// number it adds the remedy.
 [[nodiscard]] std::string fault_in_file(const Json& value, const Key& key);
 
 // Returns a cell of a table as the value that it would be in a scene, for fault_in_file.
@@ -47,10 +48,10 @@ void check_keys(const Json& value, const KeyNode& node, const std::string& point
 void note_unknown_key(const Json& present, const KeyNode& node, const std::string& key, const std::string& pointer,
                       const Reading& reading);
 
-// "the nearest known key is "z_m"", for `name` in the object `present`, whose keys are `node`'s; or the full pointer of a
-// key that stands elsewhere in `all`, if that is what was written and nothing here is near it (key_names.cpp):
+// Returns "the nearest known key is "z_m"", for `name` in the object `present` with the keys of `node`. If no key here
+// is near, it returns full pointers of matching keys elsewhere in `all` (key_names.cpp):
 //   here       a name that differs by a third of its characters or lacks words; of equals one that is not set yet
-//   elsewhere  the same name, or one that differs by a quarter of it; up to three places, the least deep first
+//   elsewhere  the same name, or one that differs by a quarter of it; up to three pointers, the least deep first
 [[nodiscard]] std::string nearest_key(const Json& present, const KeyNode& node, const std::string& name,
                                       const KeyNode& all);
 
@@ -63,7 +64,8 @@ void note_missing_key(const KeyNode& node, const std::string& pointer, const Rea
 // What a value must be, with its article: "a number or an object {"min": ..., "max": ...}".
 [[nodiscard]] std::string type_words(const Key& key);
 
-// What a JSON value is as a value of the key, whose type it must have; -0 becomes 0, so that equal scenes have equal texts.
+// Returns a JSON value as a value of the key; it must have the key's type. -0 becomes 0, so that equal scenes have
+// equal texts.
 [[nodiscard]] KeyValue key_value(const Json& value, const Key& key);
 
 // The value as JSON; null: none.

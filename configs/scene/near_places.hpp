@@ -1,5 +1,5 @@
 #pragma once
-// Finds places that are nearer to one another than a millimetre, in about constant time each.
+// Finds positions that are nearer to one another than a millimetre, in about constant time each.
 
 #include <cmath>
 #include <cstddef>
@@ -12,16 +12,16 @@
 
 namespace wade {
 
-// Two agents must start at least this far apart, m: at one place the direction in which they separate is undefined.
+// Two agents must start at least this far apart, m: at one point they have no direction of separation.
 inline constexpr double smallest_start_distance = 0.001;
 
-// Places in cells of the smallest distance, so that two that are too near lie in neighbouring cells. Coordinates: m,
+// Positions in cells of the smallest distance: two that are too near lie in one cell or in neighbours. Coordinates: m,
 // |x|, |z| <= 1e5.
 class NearPlaces {
  public:
     void add(double x, double z, std::size_t id) { cells_[key(cell(x), cell(z))].push_back({x, z, id}); }
 
-    // The id of an added place that is nearer than the smallest distance.
+    // Returns the id of an added position that is nearer than the smallest distance.
     [[nodiscard]] std::optional<std::size_t> near(double x, double z) const {
         for (std::int64_t cx = cell(x) - 1; cx <= cell(x) + 1; ++cx) {
             for (std::int64_t cz = cell(z) - 1; cz <= cell(z) + 1; ++cz) {

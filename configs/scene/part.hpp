@@ -6,7 +6,8 @@
 namespace wade {
 
 // Owns a T and copies it with itself. `part->member` needs the header of T; passing the part on as T& does not. Special members
-// are instantiated with those of the scene (scene.cpp). A part that was moved from may only be destroyed or assigned a part.
+// are instantiated in scene.cpp, like the scene's own. A part that was moved from may only be destroyed or assigned a
+// part.
 template <typename T>
 class Part {
  public:

@@ -1,5 +1,5 @@
 #pragma once
-// A particle of water stands for a cube whose side is the spacing d.
+// A water particle represents a cube with side d, the spacing.
 
 #include <cmath>
 #include <cstdint>

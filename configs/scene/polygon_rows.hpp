@@ -19,7 +19,7 @@ struct PointGrid {
     [[nodiscard]] MapPoint at(int column, int row) const { return {(column + 0.5) * dx, (row + 0.5) * dz}; }
 };
 
-// Calls visit(column, row) for each point of the grid for which contains(polygon, point) is true. The time grows with the points, and
+// Calls visit(column, row) for each point of the grid with contains(polygon, point). The time grows with the points and
 // with the rows that each edge crosses, not with points times edges.
 template <typename Visit>
 void for_each_point_in(const MapPolygon& polygon, const PointGrid& grid, Visit&& visit) {

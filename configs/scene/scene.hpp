@@ -2,11 +2,11 @@
 // The scene: all that describes a run, as typed plain data in SI units.
 //
 // x runs along the stream's axis, z across it, y is up; the bed is the plane y = 0. The stream flows towards -x.
-// What a member holds in a new struct is the default of its key; names, units, ranges and meanings of the keys stand in
-// fields/. A Scene is what remains once a file was read, merged with those that it extends and checked.
+// The value of a member in a new struct is the default of its key; names, units, ranges and meanings of the keys are in
+// fields/. A Scene results from a file after merging with the files that it extends and after the checks.
 //
-// Each part has a header: world.hpp, channel.hpp, fluid.hpp, crowd.hpp, coupling.hpp. A source includes those of the parts whose
-// members it uses, so that a new key of a part compiles only these sources.
+// Each part has a header: world.hpp, channel.hpp, fluid.hpp, crowd.hpp, coupling.hpp. A source includes the headers of
+// the parts that it uses, so that a new key of a part compiles only these sources.
 
 #include <cstdint>
 #include <optional>

@@ -93,7 +93,8 @@ std::uint64_t river_particles(const Scene& scene) {
 
 namespace {
 
-// Of the water that stands on a site at t = 0, m3: by the depth at points as far apart as the particles, at most about a million.
+// Returns the volume of standing water on a site at t = 0, m3, from depths at points as far apart as particles, but at
+// most about a million points.
 double standing_water(const Scene& scene) {
     const Site& site = *scene.site;
     const double area = scene.world->length * scene.world->width;

@@ -131,7 +131,7 @@ Json schema_of(const KeyNode& node, bool whole, std::size_t known) {
     return schema;
 }
 
-// What a whole scene must have of this object and of those below it.
+// Returns the schema of the keys that a whole scene must set in this object and in the objects below it.
 Json required_of_whole(const KeyNode& node) {
     Json schema = Json::object();
     for (const KeyNode& inner : node.inside) {

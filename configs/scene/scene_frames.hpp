@@ -42,7 +42,7 @@ namespace wade {
     return static_cast<std::uint64_t>(std::ceil(std::max(0.0, time * frame_rate - rounding)));
 }
 
-// The step of the crowd from which on an event of this frame of the water holds: the first after the frame before.
+// Returns the crowd step that starts an event of this water frame: the first step after the frame before.
 [[nodiscard]] inline std::uint64_t step_of_frame(const Scene& scene, std::uint64_t frame) {
     if (frame == 0) return 0;
     const double steps_per_frame = scene.crowd->step_rate / scene.frame_rate;

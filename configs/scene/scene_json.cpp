@@ -89,7 +89,7 @@ class Reader : public Fields {
         const std::string name(key.name);
         if (!here_->contains(name)) return;
         const Json& list = (*here_)[name];
-        if (list.size() > most_entries) {  // whose reading would take more than 2 s and 200 MB
+        if (list.size() > most_entries) {  // reading it would take more than 2 s and 200 MB
             reading_.problems.note(reading_.source + ": " + pointer_to(pointer_, name) + ": " +
                                    std::to_string(list.size()) + " entries; allowed: up to " +
                                    std::to_string(most_entries) + ", more of them in a file.");
@@ -117,7 +117,7 @@ class Reader : public Fields {
         pointer_ = outer_pointer;
     }
 
-    const Json* here_;  // the object whose keys are visited, and its place
+    const Json* here_;  // the object whose keys are visited, and its pointer
     std::string pointer_;
     const Reading& reading_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// A site: ground of any shape with houses, sources and outlets on it, in place of the straight channel.
+// A site: ground of any shape with houses, sources and outlets on it, instead of the straight channel.
 //
 // Lengths are metres on the map: x runs east, z north, both from the scene's origin, which lies at (origin_x, origin_z) of the
 // coordinate system; y is the height above the system's zero. Rasters, polygons and series that a scene names as files are
@@ -49,7 +49,7 @@ struct SeriesPoint {
 };
 using Series = std::vector<SeriesPoint>;
 
-// At a time, s; 0 of no points.
+// Returns the value at a time, s; 0 if there are no points.
 [[nodiscard]] inline double value_at(const Series& series, double time) {
     if (series.empty()) return 0;
     if (time <= series.front().time) return series.front().value;
@@ -60,7 +60,7 @@ using Series = std::vector<SeriesPoint>;
     return series.back().value;
 }
 
-// From one time to another, s.
+// Returns the integral from one time to another, s.
 [[nodiscard]] inline double integral_of(const Series& series, double begin, double end) {
     double sum = 0, last = begin, value = value_at(series, begin);
     const auto up_to = [&](double time, double next) {
@@ -83,12 +83,12 @@ struct Ground {
     std::vector<std::array<double, 3>> points;  // x, y, z of a surface through these, m; instead of the plane
 };
 
-// Walls for the water and for who is outside; never raised ground.
+// Walls for the water and for people outside; never raised ground.
 struct House {
     std::string name;
     MapPolygon polygon;
     double height = 6;            // of the walls above the ground, m
-    int residents = 0;            // who are in it at t = 0
+    int residents = 0;            // people in it at t = 0
     std::vector<MapPoint> doors;  // on its walls, m; none: the corner of the ground plan's lowest ground
     double upper_floor =
         std::numeric_limits<double>::quiet_NaN();  // height above the ground of the upper floor, m; NaN: there is none
@@ -166,7 +166,7 @@ struct SiteShelter {
     bool is_exit = false;  // people that get there have left the site
 };
 
-struct Resident;  // somebody of a table (scene.hpp)
+struct Resident;  // a person of a table (fields/people.hpp)
 
 struct Site {
     int epsg = 0;                       // of the coordinate system; 0: none is given
@@ -211,7 +211,8 @@ struct Site {
     return false;
 }
 
-// Of a raster straight between the centres of its cells, of those that have a value, constant beyond them; 0 where none has.
+// Returns a raster's value: bilinear between the centres of cells that have a value, constant beyond the outer centres;
+// 0 if none of the nearest four cells has a value.
 [[nodiscard]] inline double height_in(const Raster& raster, const MapPoint& p) {
     const auto columns = static_cast<double>(raster.columns), rows = static_cast<double>(raster.rows);
     const double x = std::clamp((p.x - raster.x) / raster.cell - 0.5, 0.0, columns - 1);
@@ -232,7 +233,8 @@ struct Site {
     return weights > 0 ? sum / weights : 0;
 }
 
-// m. Of points the mean by the inverse squares of their distances, without the triangles between them [A].
+// Returns the height of the ground, m. Points are weighted by the inverse squares of their distances, without a
+// triangulation [A].
 [[nodiscard]] inline double ground_height(const Ground& ground, const MapPoint& p) {
     if (ground.raster) return height_in(*ground.raster, p);
     if (ground.points.empty()) return ground.level + ground.slope_x * p.x + ground.slope_z * p.z;

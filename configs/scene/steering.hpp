@@ -6,10 +6,10 @@
 
 namespace wade {
 
-// One behaviour of a flock: whom it looks at, and how strong it is.
+// One behaviour of a flock: its neighbourhood and its strength.
 struct FlockBehaviour {
     double radius = 0;   // of the neighbourhood, in spacings d
-    double angle = 180;  // between the velocity and the way to a neighbour, degrees; 180: all round
+    double angle = 180;  // between the velocity and the direction to a neighbour, degrees; 180: all round
     double weight = 0;   // see the key for the unit
 };
 
@@ -19,7 +19,7 @@ enum class SteeringWalls { force, constraint, both };
 
 // Particles that differ from the others: a liquid of a density of its own.
 struct SteeringClass {
-    double share = 0;   // of all particles
+    double share = 0;   // fraction of all particles
     double radius = 1;  // of separation, over that of the others
     double mass = 1;    // over that of the others
 };

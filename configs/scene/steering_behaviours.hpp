@@ -72,32 +72,32 @@ inline void steer(Vehicle& v, const Vector& steering_force, double dt) {
     align_frame(v);
 }
 
-// Whether `place` is in the neighbourhood of a vehicle: nearer than the radius, m, and its direction within `angle`, rad, of
-// forward.
+// Returns whether the position `place` is in the neighbourhood of a vehicle: nearer than the radius, m, and its
+// direction within `angle`, rad, of forward.
 inline bool in_neighbourhood(const Vehicle& v, const Vector& place, double radius, double angle) {
     const Vector way = minus(place, v.position);
     const double r = length(way);
     return r < radius && dot(way, v.forward) >= std::cos(angle) * r;
 }
 
-// At full speed towards a place.
+// Returns the steering force that leads to full speed towards the target.
 inline Vector seek(const Vehicle& v, const Vector& target) {
     return minus(times(v.max_speed, direction(minus(target, v.position))), v.velocity);
 }
 
-// At full speed away from it.
+// Returns the steering force that leads to full speed away from the threat.
 inline Vector flee(const Vehicle& v, const Vector& threat) {
     return minus(times(v.max_speed, direction(minus(v.position, threat))), v.velocity);
 }
 
-// Where something that keeps its velocity will be when a vehicle at full speed could be there: the prediction T = D / max_speed,
-// at most `longest`, s.
+// Returns the future position of something with constant velocity, when a vehicle at full speed could be there: the
+// prediction T = D / max_speed, at most `longest`, s.
 inline Vector predicted(const Vehicle& v, const Vector& place, const Vector& velocity, double longest) {
     const double time = std::min(length(minus(place, v.position)) / v.max_speed, longest);
     return plus(place, times(time, velocity));
 }
 
-// Seek, and flee from, the predicted place of a moving quarry or pursuer.
+// Seek, and flee from, the predicted position of a moving quarry or pursuer.
 inline Vector pursuit(const Vehicle& v, const Vector& quarry, const Vector& quarry_velocity, double longest) {
     return seek(v, predicted(v, quarry, quarry_velocity, longest));
 }

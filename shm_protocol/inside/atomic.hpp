@@ -1,6 +1,6 @@
 #pragma once
-// Atomic access to words of a segment. The compiler's built-ins, because the words are plain integers of a C layout and
-// lie in memory that may be mapped read-only, for which std::atomic_ref<const T> is not available in C++20.
+// Atomic access to words of a segment by the compiler's built-ins. The words are plain integers of a C layout in memory
+// that may be mapped read-only, and C++20 has no std::atomic_ref<const T>.
 
 #include <cstdint>
 

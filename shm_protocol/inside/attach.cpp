@@ -48,9 +48,9 @@ void map_entry(Link& link, const AttachRequest& request) {
     link.entry = static_cast<ConsumerEntry*>(link.entry_page.get_address());
 }
 
-// Whether entry i may be taken: nobody has joined through it, or the producer has seen the goodbye of the one before. The
-// producer may have looked at the entry just before that goodbye, and may admit the one that left a moment after it; once
-// another frame was published that look is over. So published_frame is read before admitted_frame.
+// Returns whether entry i may be taken: it is unused, or the producer has seen its last owner's goodbye. A producer
+// that read the entry just before the goodbye may still admit that owner a moment after it. Once another frame was
+// published, that survey is over; so published_frame is read before admitted_frame.
 bool is_free(const Link& link, std::uint32_t i) {
     const ConsumerEntry& entry = link.pages.consumer(i);
     const Control& control = link.pages.control();
@@ -61,12 +61,13 @@ bool is_free(const Link& link, std::uint32_t i) {
     return rested && load_acquire(control.admitted_frame[i]) == 0;
 }
 
-// A free-running reader that died is not missed by the producer; whoever finds its entry says its goodbye for it.
+// Returns whether a free-running reader holds the entry. The producer does not notice such a reader's death; the next
+// consumer that can lock the entry writes the goodbye.
 bool is_deserted(const ConsumerEntry& entry) {
     return load_acquire(entry.state) == consumer_joined && load_relaxed(entry.mode) == mode_latest;
 }
 
-// Takes the first entry that nobody uses. The lock is taken before the last look, so two consumers cannot both succeed.
+// Takes the first free entry. The lock is taken before the last check, so two consumers cannot both succeed.
 bool claim_entry(Link& link, const AttachRequest& request) {
     for (std::uint32_t i = 0; i < link.map->consumer_count; ++i) {
         const ConsumerEntry& entry = link.pages.consumer(i);

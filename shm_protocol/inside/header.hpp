@@ -12,7 +12,7 @@
 
 namespace wade::shm {
 
-// The fields that every stream of this kind has, in the order in which they are hashed; further ones may follow.
+// Returns the fields that every stream of this kind has, in hash order; further ones may follow.
 std::span<const char* const> required_fields(StreamKind kind);
 
 // The fields that a stream of agents may have beside, all four or none; a stream of water has none.

@@ -30,10 +30,10 @@ struct Link {
     void ring() const;  // tells the producer that something has changed
     void heartbeat() const noexcept;
     void set_paused(bool paused) const noexcept;
-    // From the next frame on somebody else may take the entry, whose state is a goodbye.
+    // Frees the entry, which holds a goodbye, for another consumer from the next frame on.
     void lay_to_rest() const noexcept;
     void say_goodbye(ConsumerState last, int reason_code, std::string_view text) noexcept;
-    // Errors: protocol_violation if somebody else has written into this consumer's entry.
+    // Errors: protocol_violation if another process has written into this consumer's entry.
     void check_entry(std::uint64_t acknowledged) const;
 
     [[nodiscard]] bool producer_lives() const;

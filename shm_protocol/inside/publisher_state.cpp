@@ -131,7 +131,7 @@ PublisherState::Census PublisherState::survey(std::uint64_t admit_at) {
 }
 
 bool PublisherState::has_left(std::uint32_t i, std::uint32_t consumer_state) const {
-    // A free-running reader is nobody's peer: its end is a goodbye, whatever its reason.
+    // The producer never waits for a free-running reader: any end of it is a goodbye, whatever the reason.
     const bool goodbye =
         consumer_state == consumer_left || (consumer_state == consumer_aborted && members[i].mode == mode_latest);
     return goodbye && !is_locked_by_other(file.fd(), consumer_lock_byte + i);

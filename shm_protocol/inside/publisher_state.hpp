@@ -18,14 +18,14 @@ struct PublisherState {
     // What the consumers in lockstep allow.
     struct Census {
         int joined = 0;  // admitted and not gone
-        int active = 0;  // those of them for whom the stream goes on: followers are not
-        std::uint64_t slowest = std::numeric_limits<std::uint64_t>::max();  // frame that all of them acknowledged
+        int active = 0;  // joined but not followers: the stream goes on for these
+        std::uint64_t slowest = std::numeric_limits<std::uint64_t>::max();  // last frame that all acknowledged
     };
 
     PublisherState(const std::string& session, const StreamInfo& info, Waiting how);
 
-    // Reads all consumer entries. Those that ask to join are admitted at frame `admit_at` (0: nobody is admitted).
-    // Errors: peer_aborted; protocol_violation, also if somebody has written into a page that is not his.
+    // Reads all consumer entries. Consumers that ask to join are admitted at frame `admit_at` (0: none is).
+    // Errors: peer_aborted; protocol_violation, also if a process has written into another's page.
     Census survey(std::uint64_t admit_at);
 
     // Errors: peer_dead if a consumer's process has ended without a goodbye and still owes frame `owed` or one before.
@@ -39,7 +39,7 @@ struct PublisherState {
     void wait(const WaitTask& task) const;
     void end(ProducerState last) noexcept;
 
-    // What a consumer's words were when it was admitted; they are never read again, but for the comparison.
+    // A consumer's words at its admission; later values are read only for comparison.
     struct Member {
         std::uint64_t admitted = 0;  // at this frame; 0 = no member
         std::uint32_t mode = mode_lockstep;
@@ -56,7 +56,7 @@ struct PublisherState {
     void check_own_page() const;
 
     [[nodiscard]] bool counts(std::uint32_t consumer) const;  // it is in lockstep, admitted and not gone
-    // It has said its goodbye and given its lock up; a state alone may have been written by anybody.
+    // It has said its goodbye and released its lock; the state alone may come from any process.
     [[nodiscard]] bool has_left(std::uint32_t consumer, std::uint32_t consumer_state) const;
     [[nodiscard]] std::string label(std::uint32_t consumer) const;
     [[nodiscard]] std::string everybody_behind(std::uint64_t frame) const;
@@ -72,7 +72,7 @@ struct PublisherState {
 
     std::array<Member, max_consumers> members{};
     ProducerState state = producer_ready;  // as written into the control page
-    bool had_lockstep = false;             // there was a consumer for whom the stream goes on
+    bool had_lockstep = false;             // there was a lockstep consumer, followers excluded
     bool refusals_count = false;           // during wait_for_consumers()
     bool hash_frames = true;
     bool frame_open = false;

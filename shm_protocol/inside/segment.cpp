@@ -128,7 +128,7 @@ bool SegmentFile::is_named(const std::string& name) const {
            mine.st_dev == named.st_dev;
 }
 
-// A file that would exceed RLIMIT_FSIZE is asked for by nobody: the kernel's answer is SIGXFSZ, which ends the process.
+// Throws if the size exceeds RLIMIT_FSIZE, because the kernel would end the process with SIGXFSZ.
 void SegmentFile::allocate(const std::string& name, std::uint64_t bytes) const {
     const std::string doing = "allocating " + std::to_string(bytes) + " bytes of shared memory for " + name;
     rlimit largest{};
@@ -180,8 +180,8 @@ std::optional<SegmentFile> open_predecessor(const std::string& name) {
 
 }  // namespace
 
-// Whoever holds the producer lock of an object decides about it, and only while its name still leads to it. Each step
-// may lose against another process that does the same; then the round starts again with what that one left.
+// The holder of an object's producer lock decides about the object, and only while its name still leads to it. Each
+// step may lose against another process that does the same; then the round starts again with what that one left.
 SegmentFile create_segment(const std::string& name, std::uint64_t bytes, bool group_access) {
     constexpr int rounds = 100;  // each lost round means that another process made progress
     for (int round = 0; round < rounds; ++round) {

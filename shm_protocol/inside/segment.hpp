@@ -15,8 +15,8 @@ namespace wade::shm {
 // Where the object of that name lies in the file system.
 std::string path_of(const std::string& name);
 
-// What an object of that name is that is no plain file, for example "a FIFO of user 1000"; empty for a plain file or nothing. Anybody may
-// have put anything there, and opening it could block.
+// Returns what an object of that name is if it is no plain file, for example "a FIFO of user 1000"; else empty. Any
+// process may have created it, and opening it could block.
 std::string foreign_object(const std::string& name);
 
 enum class Access { read_only, read_write };

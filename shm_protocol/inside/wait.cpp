@@ -46,7 +46,7 @@ struct WaitingFlag {
     std::uint32_t& flag_;
 };
 
-// The pause of a peer is the pause of whoever waits for it, as long as it waits.
+// A process that waits for a paused peer counts as paused, as long as it waits.
 class PassedOnPause {
  public:
     explicit PassedOnPause(std::uint32_t& word) : word_(word), before_(load_relaxed(word)) {}

@@ -31,8 +31,8 @@ struct WaitTask {
 // Errors: task.on_timeout, Failure::interrupted, and whatever `ready` and `after_slice` throw.
 void wait_for_peer(const Sleep& sleep, const Waiting& waiting, const WaitTask& task);
 
-// Time spent waiting in which this process really ran: a slice that took much longer than it should have is a sign that
-// the process was stopped meanwhile, and counts as one slice.
+// Waiting time while this process ran. A slice that took much longer than planned counts as one slice, because the
+// process was probably stopped meanwhile.
 class Patience {
  public:
     explicit Patience(double limit_s) : limit_s_(limit_s) {}

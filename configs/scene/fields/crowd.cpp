@@ -187,7 +187,7 @@ Presence size_by_age(const BodySettings& body, const AgentGroup& of_crowd, const
     });
 }
 
-// The keys of bodies, in a group or in the crowd for the groups that set none, whose bodies these are.
+// Declares the keys of bodies: of `group` with the defaults of `its_crowd`, or of the crowd if both are null.
 void fields(BodySettings& body, Fields& f, const AgentGroup* group, const AgentGroup* its_crowd) {
     const BodySettings* const of_crowd = its_crowd == nullptr ? nullptr : &its_crowd->body;
     const auto unless_set = [&](auto member) {

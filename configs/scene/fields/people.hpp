@@ -10,7 +10,7 @@
 
 namespace wade {
 
-// A point of somebody's tau in time.
+// A point of a tau history.
 struct TauPoint {
     double time = 0;
     double tau = 0;
@@ -34,7 +34,7 @@ struct BodySettings {
     bool can_swim = false;
 };
 
-enum class HandInHand { none, along_x, along_z };  // who hold one another: neighbours on the start grid
+enum class HandInHand { none, along_x, along_z };  // neighbours on the start grid that hold one another
 enum class Hold { hands, arms };                   // hands pull, arms across backs push, too
 
 // A person of a table; what is not set is as its group says.
@@ -57,22 +57,22 @@ struct Resident {
 };
 
 enum class StartRule { grid, houses };    // a start grid, or the houses of the site and its table of residents
-enum class GoalRule { point, shelters };  // one place, or the shelters of the site, whichever is reached first
+enum class GoalRule { point, shelters };  // one point, or the first shelter of the site that is reached
 
 // When people leave their houses.
 enum class LeavingRule { at_once, normal, weibull, table, never };
 struct LeavingPoint {
     double time = 0;   // s
-    double share = 1;  // of them that have left by then
+    double share = 1;  // fraction of the people that has left by then
 };
 struct Leaving {
     LeavingRule rule = LeavingRule::at_once;
-    double after = 0;             // s; nobody leaves before
+    double after = 0;             // s; earliest departure
     double mean = 0, sd = 0;      // of `normal`, after that, s
     double scale = 0, shape = 2;  // of `weibull`, after that; scale in s
     std::vector<LeavingPoint> table;
-    double stay_share = 0;         // of them who never leave
-    double upper_floor_share = 0;  // of the others who go to the upper floor at their time, where the house has one
+    double stay_share = 0;         // fraction of people that never leave
+    double upper_floor_share = 0;  // fraction of the others that goes to the upper floor at its time, if there is one
 };
 
 struct AgentGroup {
@@ -84,16 +84,16 @@ struct AgentGroup {
     int columns = 1, rows = 1;  // start grid, columns along x, rows along z
     int count = 1;              // agents placed, column by column is row-major: id = row * columns + column
     double start_x = 0, start_z = 0, pitch_x = 1, pitch_z = 1;
-    double goal_x = 0, goal_z = 0;  // in a periodic world x counts on, lap by lap
+    double goal_x = 0, goal_z = 0;  // in a periodic world x counts on over the periods
     double desired_speed = 1.3;
-    double start_jitter = 0;            // largest distance of a start from its place on the grid, along x and along z
+    double start_jitter = 0;            // largest distance of a start from its grid point, along x and along z
     std::optional<Spread> mass;         // none: by age and sex
-    std::optional<Spread> tau = 0;      // endurance in [0, 1]: 0 is not moved by the water; none: their bodies tell
+    std::optional<Spread> tau = 0;      // susceptibility, [0, 1] (paper: endurance), 0: not moved; none: by the bodies
     std::vector<TauPoint> tau_history;  // in time; empty: `tau` throughout
     BodySettings body;
     HandInHand hand_in_hand = HandInHand::none;
     Hold hold = Hold::hands;
-    bool rescuer = false;           // goes to whom the water carries, and throws a line
+    bool rescuer = false;           // goes to people swept away and throws a line
     std::vector<PersonRow> people;  // the agents are these in turn
 };
 

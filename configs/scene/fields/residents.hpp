@@ -9,14 +9,15 @@
 
 namespace wade {
 
-// The first group that starts in houses, to which those belong whom nothing puts elsewhere; the number of groups if there is none.
+// Returns the first group that starts in houses; residents without a group belong to it. Returns the number of groups
+// if there is none.
 [[nodiscard]] inline std::size_t first_group_in_houses(const Crowd& crowd) {
     const auto found = std::find_if(crowd.groups.begin(), crowd.groups.end(),
                                     [](const AgentGroup& group) { return group.starts == StartRule::houses; });
     return static_cast<std::size_t>(found - crowd.groups.begin());
 }
 
-// Calls visit(resident) for each of the table who is in the group, which starts in houses.
+// Calls visit(resident) for each resident of the table in `group`, which starts in houses.
 template <typename Visit>
 void for_each_resident(const Scene& scene, std::size_t group, Visit&& visit) {
     if (!scene.site || !scene.site->residents) return;
@@ -26,7 +27,8 @@ void for_each_resident(const Scene& scene, std::size_t group, Visit&& visit) {
     }
 }
 
-// Groups that start in houses have as many people as live there: of the table, and the first as many as the houses say.
+// Sets the size of each group that starts in houses to its residents in the table; the first group also gets the
+// residents that the houses declare.
 inline void count_lodgers(Scene& scene) {
     for (std::size_t g = 0; scene.site && g < scene.crowd->groups.size(); ++g) {
         AgentGroup& group = scene.crowd->groups[g];
