@@ -1,7 +1,7 @@
-// bench_coupling: what a frame costs on its way from the solver to the agents, beside the solver and the crowd's step.
+// bench_coupling: the cost of a frame between the solver and the agents, beside the solver and the crowd's step.
 //
-// A river of 100 x 27 x 1 m with all agents in it, the worst case: every particle is near an agent. And what it costs that people
-// answer the water by their bodies, and that they push it.
+// A river of 100 x 27 x 1 m with all agents in it, the worst case: every particle is near an agent. Also the cost of
+// the body response (`measured`) and of the momentum exchange with the water (two_way).
 
 #include <omp.h>
 
@@ -141,7 +141,7 @@ void bench(const Size& size, const Options& options, std::vector<Result>& result
     }
 }
 
-// The same people with three answers to the same water, the last of which pushes it.
+// The same people with three responses to the same water; only the last one exchanges momentum with it.
 struct Answers {
     crowd::CrowdWorld paper, measured, two_way;
 
@@ -151,7 +151,7 @@ struct Answers {
           two_way(crowd::make_crowd(scene_with("measured", "true"))) {}
 };
 
-// What people got in the last step, for the water to lose.
+// Passes the impulse that people got in the last step to the water, which loses it.
 void hand_over(const crowd::CrowdWorld& crowd, std::vector<crowd::Vector2d>& before, fluid::PeopleInWater& people) {
     people.pushes.clear();
     before.resize(crowd.agents.size(), crowd::Vector2d::Zero());
@@ -168,7 +168,7 @@ void hand_over(const crowd::CrowdWorld& crowd, std::vector<crowd::Vector2d>& bef
     }
 }
 
-// 5,000 in the water: waist-deep people who brace themselves against 0.8 m/s, so that they stay on their feet.
+// 5,000 people, waist-deep and braced against 0.8 m/s, so that they stay on their feet.
 void bench_people(const Options& options, std::vector<Result>& results) {
     constexpr std::uint64_t particles = 100'000;
     const auto scene_with = [&](const std::string& response, const std::string& pushes) {

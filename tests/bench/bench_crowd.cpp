@@ -135,7 +135,7 @@ void show_quality(const Variant& variant, std::vector<Result>& results) {
     show("deepest overlap", overlaps.deepest, "m");
 }
 
-// All to one corner, by ways round the boxes.
+// Leads all agents to one corner, by routes round the boxes.
 void lead_round(Crossing& crossing) {
     Scene scene = crossing.crowd.scene;
     scene.crowd->navigation.rule = NavigationRule::automatic;

@@ -99,7 +99,7 @@ void count_items(benchmark::State& state, std::size_t items) {
                            benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-// Pairs whose kernel is not zero, how full the lanes are of them, and the bytes that a sweep reads and writes.
+// Counts pairs with a kernel above zero, the fraction of lanes in use, and the bytes of the neighbour lists.
 void count_pairs(benchmark::State& state, const Water& water) {
     double pairs = 0, entries = 0;
     for (std::size_t b = 0; b < water.blocks(); ++b) {

@@ -1,7 +1,7 @@
-// bench_protocol: what it costs to hand a frame over, side by side with other ways.
+// bench_protocol: the cost of handing a frame over, beside that of other transports.
 //
-// Every way is measured in every round, one after the other, so that the ratios within a round do not depend on what
-// else the machine does; shown are medians over the rounds.
+// Every transport is measured in every round, one after the other, so that the ratios within a round do not depend on
+// what else the machine does; shown are medians over the rounds.
 
 #include <sched.h>
 #include <signal.h>

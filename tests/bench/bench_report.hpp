@@ -8,7 +8,7 @@
 
 namespace wade::bench {
 
-// Quantile q in [0, 1] of values, which are sorted on the way; values must not be empty.
+// Returns quantile q in [0, 1] of `values` and sorts them; they must not be empty.
 double quantile(std::vector<double>& values, double q);
 
 // One line of the result: medians over rounds, so that one disturbed round does not count.

@@ -55,7 +55,8 @@ Work run(SteeringWorld& world, double time) {
     });
 }
 
-// The steering water of the scene whose outer radius holds about as many neighbours as DFSPH's particles have, images counted.
+// Returns the scene with steering water and an outer radius that holds about `wanted` neighbours, mirror particles
+// included: as many as in DFSPH.
 Scene with_as_many_neighbours(Scene scene, double wanted, double warm_up) {
     scene.fluid->model = wade::ModelKind::steering;
     scene.fluid->steering.cohesion.weight = 0.01;  // off it would need no neighbours

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double density = 0.7;            // people per m2
 constexpr double radius = 0.25;            // m
-constexpr std::size_t goals_written = 64;  // a person; more than anybody reaches
+constexpr std::size_t goals_written = 64;  // a person; more than any person reaches
 
 // What a run gives, of either side.
 struct Outcome {

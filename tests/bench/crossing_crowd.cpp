@@ -17,7 +17,7 @@ void draw_goal(Crossing& crossing, std::size_t id) {
     crossing.crowd.agents.goal[id] = goal_drawn(crossing, id, crossing.goals_reached[id]);
 }
 
-// Each in the middle of four starts, on a coarser grid of as many places as there are boxes, or a few more.
+// Adds boxes, each in the middle of four starts, on a coarser grid of as many points as boxes, or a few more.
 void add_boxes(Scene& scene, std::size_t boxes) {
     const AgentGroup& group = scene.crowd->groups[0];
     const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(boxes))));
@@ -34,7 +34,7 @@ void add_boxes(Scene& scene, std::size_t boxes) {
 }  // namespace
 
 Vector2d goal_drawn(const Crossing& crossing, std::size_t id, std::uint64_t draw) {
-    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from those of markers and agents
+    constexpr std::uint64_t stream = std::uint64_t{1} << 41;  // apart from streams of markers and agents
     const Scene& scene = crossing.crowd.scene;
     return {scene.world->length * crowd::counter_uniform(scene.seed, stream + id, 2 * draw),
             scene.world->width * crowd::counter_uniform(scene.seed, stream + id, 2 * draw + 1)};
@@ -46,7 +46,7 @@ Crossing make_crossing(std::size_t people, double density, const Crowd& settings
     scene.seed = seed;
     scene.crowd = settings;
     scene.crowd->navigation.rule = NavigationRule::straight;  // no field knows a goal that is drawn in the walk
-    scene.crowd->goal_radius = 1e-6;                          // nobody leaves: goals move away before they are met
+    scene.crowd->goal_radius = 1e-6;                          // no agent leaves: goals move away before they are met
     const double side = std::sqrt(static_cast<double>(people) / density);
     scene.world->length = scene.world->width = side;
     AgentGroup group;

@@ -37,8 +37,8 @@ inline constexpr std::array<River, 3> dry_channels{
     {{20'000, 60, 60, 0.5}, {20'000, 2000, 500, 0.5}, {20'000, 20'000, 2000, 0.5}}};
 std::map<std::string, std::string> block_in_the_corner();
 
-// The river of the paper, 100 x 27 m, with about so many particles and columns x rows agents all over it. who: more of their
-// group, as JSON.
+// The river of the paper, 100 x 27 m, with about so many particles and columns x rows agents all over it. `who`: more
+// keys of their group, as JSON.
 Scene river_with_crowd(std::uint64_t particles, int columns, int rows, std::map<std::string, std::string> more = {},
                        const std::string& who = R"("tau": 0.2)");
 

@@ -39,7 +39,7 @@ class Programs(unittest.TestCase):
                                   capture_output=True, text=True)  # fmt: skip
             self.assertEqual(done.returncode, 0, done.stderr)
             found = json.loads(Path(folder, "b.json").read_text())["results"][0]
-            # A ball of two spacings holds (4 pi / 3) 2^3 = 33 places of a lattice; the surface cuts some off.
+            # A ball of two spacings holds (4 pi / 3) 2^3 = 33 lattice points; the surface cuts some off.
             self.assertTrue(20 < found["pairs_per_particle"] < 34, found["pairs_per_particle"])
             self.assertTrue(10 < found["lanes_in_use_percent"] <= 100, found["lanes_in_use_percent"])
             done = subprocess.run([*command, "--only", "nothing"], capture_output=True, text=True)

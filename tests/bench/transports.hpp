@@ -1,5 +1,5 @@
 #pragma once
-// Ways to bring a frame of particles from one process to another and to hear that it was read.
+// Transports: each brings a frame of particles from one process to another and reports that it was read.
 
 #include <cstdint>
 #include <functional>
@@ -16,7 +16,7 @@ using Payload = std::vector<float>;
 // What a consumer does with a frame: it reads the positions.
 float read_positions(std::span<const float> px, std::span<const float> py, std::span<const float> pz);
 
-// The producing end of a way; the consuming end runs in a child process until the end.
+// The producing end of a transport; the consuming end runs in a child process until the end.
 class Transport {
  public:
     Transport() = default;

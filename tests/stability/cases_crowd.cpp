@@ -1,4 +1,4 @@
-// People in hard places; the water, if there is any, is watched as in the other cases.
+// Crowds in difficult situations; the water, if there is any, is checked as in the other cases.
 
 #include <algorithm>
 #include <cmath>
@@ -68,7 +68,7 @@ class WatchedCrowd {
             return;
         }
         const World& world = crowd_.scene.world;
-        // Who falls at x = 0 is dead and outside.
+        // An agent that falls over the edge at x = 0 is dead and outside.
         const bool fallen = agents.outcome[id] == crowd::Outcome::dead && x.x() < 0;
         if (!fallen && (x.x() < 0 || x.x() > world.length || x.y() < 0 || x.y() > world.width)) ++outside_;
         for (const Obstacle& o : crowd_.scene.obstacles) {
@@ -117,8 +117,8 @@ Result crowd_against_wall(const Request& request) {
     return run_with_crowd(scene, people);
 }
 
-// Markers go to the first of those who are equally near, so one leaves after the other. Half of them within the
-// scene's minute: enough to tell leaving from standing for ever.
+// A marker belongs to the first of equally near agents, so they leave one after the other. Half of them must leave
+// within the scene's minute: enough to tell leaving from standing for ever.
 Result agents_at_one_point(const Request& request) {
     Scene scene = scene_for(request, "agents_at_one_point");
     // The loader refuses agents nearer than a millimetre, so they are put together here.

@@ -19,7 +19,7 @@ using fluid::Kind;
 using fluid::Particles;
 using fluid::StepReport;
 
-// Way of the inflow until t: the integral of v_F, straight between the points of its history.
+// Returns the displacement of the inflow until t, m: the integral of v_F, linear between the points of its history.
 double inflow_way(const Channel& channel, double t) {
     const std::vector<VelocityPoint>& history = channel.velocity_history;
     if (history.empty()) return channel.velocity * t;

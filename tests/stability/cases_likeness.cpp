@@ -1,4 +1,4 @@
-// The same flow computed in two ways must be the same.
+// The same flow at another scale, or cut into other frames, must be the same.
 
 #include <algorithm>
 #include <cmath>
@@ -19,9 +19,9 @@ using fluid::Particles;
 
 // Of a dam break, in units of the depth H of the reservoir, sqrt(g H), and the energy at the start.
 struct Likeness {
-    double front = 0;   // place of the foremost particle
+    double front = 0;   // position of the foremost particle
     double height = 0;  // mean height of the particles
-    double x = 0;       // mean place along x
+    double x = 0;       // mean position along x
     double speed = 0;   // root of the mean square
 };
 

@@ -21,7 +21,7 @@ Result one_particle(const Request& request) {
     return run_water(scene_for(request, "one_particle"));
 }
 
-// Two that are in the very same place have no direction in which to part: nothing may divide by their distance.
+// Two particles at the same position have no direction of separation: nothing may divide by their distance.
 Result two_in_one_place(const Request& request) {
     Scene scene = scene_for(request, "two_in_one_place");
     scene.channel->water_blocks.push_back(scene.channel->water_blocks.at(0));

@@ -38,11 +38,11 @@ void add_to(Result& all, const Result& one) {
     if (all.failure.empty()) all.failure = one.failure;
 }
 
-// A column keeps its volume: twice the mean height is its depth. 1 %: as the compression allowed at any place.
+// A column keeps its volume: twice the mean height is its depth. 1 %: the compression that is allowed anywhere.
 Result deep_column(const Request& request) {
     const Scene scene = scene_for(request, "deep_column",
-                                  // 12 x 8 x 40 particles: more than the 3072 up to which the solver uses one thread,
-                                  // so that the comparison of the bits for one and two threads compares something.
+                                  // 12 x 8 x 40 particles: the solver uses one thread up to 3072, and more are needed
+                                  // to compare the bits for one and two threads.
                                   {"/channel/water_blocks/0/depth_m=4", "/duration_s=1", "/fluid/max_particles=3840"});
     const double depth = scene.channel->water_blocks.at(0).depth;
     double lowest = 1;
@@ -124,9 +124,9 @@ Result deep_dam(const Request& request) {
     return result;
 }
 
-// The lattice gives way once and comes to rest again, as without a house. Limits: 0.005 sqrt(g H), twice the speed in a tank of the
-// same depth without a house, and 6 % of compression, as a dam break has next to a smooth wall. With sharp edges it was 0.050 m/s
-// and 21 %, for good.
+// The lattice rearranges once and comes to rest again, as without a house. Limits: 0.005 sqrt(g H), twice the speed in
+// a tank of the same depth without a house, and 6 % of compression, as in a dam break next to a smooth wall. With sharp
+// edges the speed stayed at 0.050 m/s and the compression at 21 %.
 Result house_in_a_lake(const Request& request) {
     const Scene scene = scene_for(request, "house_in_a_lake");
     double speed = 0;
@@ -166,7 +166,7 @@ Result overlapping_water(const Request& request) {
     return run_water(scene, hooks);
 }
 
-// Two blocks in one place are no start at all: the run must end with a message in the first step, not explode.
+// Two blocks at the same position are no valid start: the run must end with a message in the first step, not explode.
 Result water_twice(const Request& request) {
     Scene scene = scene_for(request, "overlapping_water");
     scene.channel->water_blocks.at(1).x = scene.channel->water_blocks.at(0).x;
@@ -198,7 +198,7 @@ Result tank_long(const Request& request) {
 }
 
 // Water slips freely along the banks, so a channel of one to three particles must run as far as a wide one. 10 %: what
-// a row of particles can differ from a packing of many; water that sticks stays behind by most of its way.
+// a row of particles can differ from a packing of many; water that sticks loses most of its displacement.
 Result narrow_channel(const Request& request) {
     const std::vector<std::string> quick{"/duration_s=0.6"};
     Scene scene = scene_for(request, "narrow_channel", quick);

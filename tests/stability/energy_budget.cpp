@@ -62,7 +62,7 @@ double level_pool_energy(const Scene& scene, double volume) {
     }
     std::sort(ground.begin(), ground.end());
     const double area = x.length() * z.length() / static_cast<double>(ground.size());
-    // The level L over the n lowest places: n L - sum of their heights = volume / area, L not above the next place.
+    // The level L over the n lowest points: n L - sum of their heights = volume / area, L not above the next point.
     double sum = 0;
     double squares = 0;
     double level = 0;

@@ -6,7 +6,7 @@
 //   put in    emitter: energy of the particles that pass the opening, and F . v of the force F with which the lattice
 //             behind it drives the water (from the change of momentum: no other force acts along x there)
 //             drive of a recirculating channel: M a dt (v - a dt / 2), v the bulk speed after the push a dt
-//             slope: g sin(atan slope) times the way along -x
+//             slope: g sin(atan slope) times the displacement along -x
 //
 // Most potential energy cannot become motion: water never lies lower than a level pool. In a closed channel the kinetic
 // energy is therefore compared with what was put in less the potential energy of the same volume in such a pool.
@@ -22,8 +22,8 @@ namespace wade::stability {
 // Height of the bed at x, m; ends of its polyline go on level.
 [[nodiscard]] double bed_height(const Channel& channel, double x);
 
-// Potential energy, J, of a volume of water, m^3, that fills the scene's channel from its lowest place up to one level,
-// bed and obstacles left free, as if all basins were connected: the least that this volume can have. Places are
+// Potential energy, J, of a volume of water, m^3, that fills the scene's channel from its lowest point up to one level,
+// bed and obstacles left free, as if all basins were connected: the least that this volume can have. Positions are
 // resolved to half a spacing along x and z.
 [[nodiscard]] double level_pool_energy(const Scene& scene, double volume);
 
@@ -47,14 +47,14 @@ class EnergyBudget {
     void add(double energy) { put_in_ += energy; }
 
  private:
-    // Of the fluid particles, those still inside the emitter left out.
+    // Sums over the fluid particles, without particles still inside the emitter.
     struct Sums {
         double count = 0;
         double kinetic = 0, potential = 0;  // J
         double momentum = 0;                // along x, kg m/s
-        double leaving = 0;                 // J, of those that the next step removes
+        double leaving = 0;                 // J, of particles that the next step removes
         double leaving_momentum = 0, leaving_count = 0;
-        double inflow_velocity = 0;  // along -x, of those inside the emitter, m/s
+        double inflow_velocity = 0;  // along -x, of particles inside the emitter, m/s
     };
     [[nodiscard]] Sums sum(const fluid::FluidWorld& world) const;
     void note_emitter(const fluid::FluidWorld& world, const Sums& now);

@@ -20,7 +20,8 @@ struct Rules {
     // The kinetic energy alone over what could become kinetic, with the same 5 %: in a closed channel that leaves out the
     // potential energy of a level pool, beside which the energy of a wave is small.
     static constexpr double kinetic_ratio = 1.05;
-    // Way of a particle in one step over the spacing: beyond a half it could pass a neighbour or a wall unseen.
+    // Displacement of a particle in one step over the spacing: beyond a half it could pass a neighbour or a wall
+    // unseen.
     static constexpr double displacement = 0.5;
 };
 
@@ -79,7 +80,7 @@ struct Case {
 std::vector<Case> water_cases();     // still water, jets, sheets
 std::vector<Case> sloshing_cases();  // waves in a tank
 std::vector<Case> inflow_cases();    // emitter, outlet, recirculation
-std::vector<Case> particle_cases();  // none, one, two in one place, long runs
+std::vector<Case> particle_cases();  // none, one, two at one position, long runs
 std::vector<Case> likeness_cases();  // the same flow in another scale, or cut into other frames
 std::vector<Case> crowd_cases();     // people in and out of the water
 
@@ -89,7 +90,7 @@ const std::vector<Case>& all_cases();
 // configs/stability/NAME.json, or NAME of tests/stability/scenes.json, with the overrides of the case's quick form, if that is asked for, then the request's.
 Scene scene_for(const Request& request, const std::string& name, const std::vector<std::string>& quick_overrides = {});
 
-// Adds a check whose rule is "value <= limit".
+// Adds a check with the rule "value <= limit".
 void check_at_most(Result& result, const std::string& name, double value, double limit);
 // "value >= limit".
 void check_at_least(Result& result, const std::string& name, double value, double limit);

@@ -45,7 +45,7 @@ std::size_t step_limit(const Scene& scene) {
     return static_cast<std::size_t>(std::max(steps, viscous) + 10 * scene.duration * scene.frame_rate + 1000);
 }
 
-// Whether a place is where water can be; `slack` covers the rounding of float positions.
+// Returns whether water can be at a position; `slack` covers the rounding of float positions.
 bool is_inside(const Scene& scene, double x, double y, double z, double slack) {
     const Channel& channel = scene.channel;
     if (channel.top != Top::periodic && y < bed_height(channel, x) - slack) return false;

@@ -22,7 +22,7 @@ class Scene:
     """A tank with a block of water at its far end of x; m, s. Or a stream from x = length on a dry bed."""
 
     name: str
-    kind: str  # whose truth it is
+    kind: str  # selects the reference
     spacing: float
     duration: float
     every: float  # between frames
@@ -102,9 +102,9 @@ def wade_scene(scene, variant):
 def their_block(scene):
     """The block as SPlisHSPlasH fills one: its outermost particles a spacing within, each 0.8 of its cube.
 
-    Nearer to the edges of a wall its volume maps throw them out. Its dam break as it ships it, 5 cm from bed and wall. The
-    collapse and SPHERIC 2 in its denser pattern, 8 % under density at first, which starts without a shock; in SPHERIC 2,
-    whose truth knows the volume of the water, as high as holds it.
+    Nearer to the edges of a wall its volume maps throw particles out. The dam break stands as SPlisHSPlasH ships it,
+    5 cm from bed and wall. The collapse and SPHERIC 2 have its denser pattern, 8 % under density at first, which starts
+    without a shock. In SPHERIC 2 the block is as high as its known volume of water requires.
     """
     length, _, width = scene.tank
     along, height, across = scene.block
@@ -164,7 +164,7 @@ def box_mesh():
 
 @dataclass
 class Frame:
-    """Places, velocities and pressures of all particles at a time; m, m/s, Pa."""
+    """Positions, velocities and pressures of all particles at a time; m, m/s, Pa."""
 
     time: float
     x: np.ndarray  # (3, n)

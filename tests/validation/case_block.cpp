@@ -12,7 +12,7 @@ namespace wade::validation {
 
 namespace {
 
-constexpr double block_settling = 10;  // s: ten times the way of the stream past the block
+constexpr double block_settling = 10;  // s: ten times as long as the stream takes past the block
 
 // Momentum of the water towards -x, kg m/s.
 double momentum(const fluid::FluidWorld& world) {

@@ -32,7 +32,7 @@ DepthOfPlace depth_over(const BumpFlow& flow, double origin) {
     return [flow, origin](double x) { return flow.depth(origin - x); };
 }
 
-// Gives each particle the velocity that the exact flow has over its place, so that less has to settle.
+// Gives each particle the velocity that the exact flow has at its position, so that less has to settle.
 void start_as(Water& water, const BumpFlow& flow, double origin) {
     water.set_velocity([&](const std::array<double, 3>& place) {
         return std::array<double, 3>{-flow.q / flow.depth(origin - place[0]), 0, 0};
@@ -57,7 +57,7 @@ Curve discharge_curve(const Columns& columns, double origin, double q) {
     return curve;
 }
 
-// What all three report. `compared`: the range of x in which the ends of the channel are out of reach.
+// Returns what all three cases report. `compared`: the range of x that the ends of the channel do not influence.
 Result result_of(const Water& water, const Columns& columns, const Cost& cost, const Interval& compared, double origin,
                  double q, const DepthOfPlace& exact) {
     Result result;
@@ -123,8 +123,8 @@ Result run_transcritical(const Request& request) {
     return result;
 }
 
-// Place of the jump, s: where the depth, followed downstream from the crest, first exceeds the mean of the two alternate
-// flows at that place. NaN if it does not.
+// Returns the position s of the jump, m: where the depth, followed downstream from the crest, first exceeds the mean of
+// the supercritical and the subcritical depth there. NaN if it does not.
 double jump_place(const Columns& columns, double origin, const BumpFlow& flow) {
     const auto surplus = [&](std::size_t k) {
         const double z = bump_height(origin - columns.centre(k));

@@ -1,6 +1,6 @@
-// The hydraulic jump. On a level bed without friction a standing jump has no place of its own: it drifts whenever the
-// momentum functions on its sides differ. So it is let go: a stream runs against a wall, the jump that forms there
-// travels upstream at a speed c, and in the frame that moves with it, it is a standing jump with u_1 + c in place of u_1.
+// The hydraulic jump. On a level bed without friction a standing jump has no fixed position: it drifts whenever the
+// momentum functions on its sides differ. So the case has a moving jump: a stream runs against a wall, and the jump
+// that forms there travels upstream at a speed c. In its own frame it is a standing jump with u_1 + c instead of u_1.
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +43,7 @@ constexpr double jump_length = 5;
 constexpr double travel = 10;
 constexpr double averaged_travel = 3;
 
-// Place of the jump: where the depth first falls to the mean of both, coming from the wall against the stream.
+// Returns the position of the jump: where the depth, from the wall upstream, first falls to the mean of both depths.
 double jump_place(const Columns& columns, double depth_2) {
     const double middle = 0.5 * (depth_1 + depth_2);
     std::size_t last = 0;
@@ -85,8 +85,8 @@ Line fit(const std::vector<double>& x, const std::vector<double>& y) {
 Result run_jump(const Request& request, double froude, double width) {
     const Bore bore(froude);
     const double h2 = bore.depth_2();
-    // Jumps run ahead of their calculated place and throw water ahead of them, the more the faster they are: room for that
-    // keeps the stream that is read away from the emitter.
+    // Jumps run ahead of their calculated position and throw water ahead of them, fast jumps more. The extra length
+    // keeps the measured stream away from the emitter.
     const double length = wall_face + (travel + 0.5 * jump_length + 1 + froude) * h2;
     std::vector<std::string> sizes = channel_slice(request);
     sizes.push_back(assign("/world/width_m", width));
@@ -109,7 +109,7 @@ Result run_jump(const Request& request, double froude, double width) {
     std::vector<double> place;
     double sum_h1 = 0, sum_u1 = 0, sum_h2 = 0, sum_u2 = 0, sum_uu1 = 0, sum_uu2 = 0;
     Columns moving = make_columns({-travel * h2, 0.5 * jump_length * h2 + h2}, scene.channel->z.length(), column);
-    std::vector<int> seen(moving.count(), 0);  // frames in which the column lies in the channel
+    std::vector<int> seen(moving.count(), 0);  // number of frames with the column in the channel
     const int frames = frames_in(scene, travel * h2 / bore.speed);
     const int averaged = frames_in(scene, averaged_travel * h2 / bore.speed);
     for (int frame = 1; frame <= frames; ++frame) {
@@ -144,7 +144,7 @@ Result run_jump(const Request& request, double froude, double width) {
     const double u1 = sum_u1 / n / h1;
     const double measured_h2 = sum_h2 / n;
     const double u2 = sum_u2 / n / measured_h2;
-    // The speed at which water of both depths conserves mass. That of the front differs while the jump grows longer.
+    // The jump speed that conserves mass between both depths. The front's speed differs while the jump grows longer.
     const double c = (u1 * h1 - u2 * measured_h2) / (measured_h2 - h1);
     const double relative = (u1 + c) / std::sqrt(standard_gravity * h1);
     // In the frame of the jump, over the density: velocities with their fluctuations, pressure as if hydrostatic.

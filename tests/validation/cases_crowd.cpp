@@ -16,7 +16,7 @@
 namespace wade::validation {
 namespace {
 
-// People who meet nobody walk at their desired speed.
+// People without others near them walk at their desired speed.
 
 // |m| of Eq. 1 in the middle of a full disc of 1 m radius for evenly spread markers, m; see tests/unit of the crowd.
 const double free_motion = (std::log(2.0) - 0.5) / (2 * (1 - std::log(2.0)));
@@ -71,7 +71,7 @@ struct Mirror {
 };
 
 // The markers within 2 m of the world, rounded and mirrored. The last rows and columns of the grid's border lie farther
-// away than the first; nobody perceives what is there.
+// away than the first; no agent perceives markers there.
 crowd::Markers mirrored(const crowd::Markers& markers, const Mirror& mirror) {
     crowd::Markers made;
     made.grid = markers.grid;
@@ -252,7 +252,7 @@ void measure(const Request& request, SpeedRule rule, const std::string& suffix, 
     Overlaps overlaps;
     double worst = 0;
     double arrived = 0;
-    double time = 0;  // of all who arrived, s
+    double time = 0;  // sum over arrived agents, s
     double last = 0;  // s
     const std::uint64_t first_seed = scene.seed;
     for (std::uint64_t run = 0; run < seed_count; ++run) {
@@ -307,7 +307,7 @@ double lane_order(const crowd::CrowdWorld& crowd, double density) {
     return sum / static_cast<double>(crowd.active.size());
 }
 
-// Share of the people who move at less than a tenth of their desired speed.
+// Returns the fraction of people that move at less than a tenth of their desired speed.
 double stuck_share(const crowd::CrowdWorld& crowd) {
     double stuck = 0;
     for (const std::uint32_t id : crowd.active) {

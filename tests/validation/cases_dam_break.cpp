@@ -54,10 +54,10 @@ Result run_dam_break(const Request& request) {
 
 // Stoker (1957): a dam breaks over a bed under water, and a shock runs ahead.
 
-constexpr double first_shock = 6;  // t sqrt(g/H) from which the place of the shock is compared
+constexpr double first_shock = 6;  // t sqrt(g/H) after which the shock's position is compared
 
-// Where the depth, seen from downstream, first exceeds the mean of the depths before and behind the shock, between
-// columns linearly; NaN if nowhere. m downstream of the dam
+// Returns the position of the shock, m downstream of the dam: where the depth, seen from downstream, first exceeds
+// `threshold`, the mean of the depths before and behind the shock. Linear between columns; NaN if there is none.
 double shock_place(const Columns& columns, double dam_x, double threshold) {
     double before = columns.depth(0);
     for (std::size_t k = 1; k < columns.count(); ++k) {
@@ -106,7 +106,7 @@ void advance_to(DispersiveTwin& twin, double t, const Columns& of_case) {
     }
 }
 
-// The worst distance of the shock from its place, of the way that it should have made; NaN where there is no shock.
+// Updates the worst error of the shock's distance from the dam, relative to the exact distance; NaN without a shock.
 void note_shock(double& worst, double place, double truth) {
     const double error = std::abs(place / truth - 1);
     worst = std::isnan(error) ? error : std::max(worst, error);

@@ -26,7 +26,7 @@ std::size_t cell_at(const ShallowWater& world, double x, double z) {
            static_cast<std::size_t>((x - grid.x.lo) / grid.dx);
 }
 
-// Calls body(cell) for those that a step works on.
+// Calls body(cell) for each active cell.
 template <typename Body>
 void for_each_active(const ShallowWater& world, Body&& body) {
     for (std::size_t k = 0; k < world.grid.nz; ++k) {

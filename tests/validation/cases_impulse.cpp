@@ -50,7 +50,7 @@ Case impulse_river_case() {
                         run_impulse_river);
 }
 
-// The front of a dam break on people who stand and walk.
+// The front of a dam break on standing and walking people.
 Case impulse_front_case() {
     return impulse_case(
         "impulse_front",

@@ -1,4 +1,4 @@
-// People with bodies who leave a room by one opening.
+// People with bodies leave a room by one opening.
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ struct Opening {
     int people = 150;
     std::string bodies = "human";
     double step_rate = 30;  // 1/s
-    double cell = 0.2;      // of the ways, m
+    double cell = 0.2;      // of the travel-time field, m
     std::uint64_t seed = 1;
 };
 
@@ -45,7 +45,7 @@ Scene scene_of(const Request& request, const Opening& opening) {
     return scene;
 }
 
-// Times at which people leave the opening, s, ascending.
+// Returns the times when people leave the opening, s, ascending.
 std::vector<double> leave(const Request& request, const Opening& opening, Result& result, Tally& tally) {
     crowd::CrowdWorld crowd = crowd::make_crowd(scene_of(request, opening));
     const double outside = wall_at + opening.thickness;

@@ -1,4 +1,5 @@
-// People who push the water: drag, what drives the river, a row, a crowd as vegetation, walls, bodies that drift, rates of frames.
+// Momentum exchange between people and water: drag, the river's driving force, a row, a crowd as vegetation, walls,
+// drifting bodies, frame rates.
 
 #include <algorithm>
 #include <array>
@@ -18,7 +19,7 @@
 namespace wade::validation {
 namespace {
 
-// rho C_D B h U^2 / 2 of one of 1.7 m, N.
+// Returns the drag rho C_D B h U^2 / 2 of a person of 1.7 m, N.
 double law_of_drag(const Scene& scene) {
     const double k = crowd::drag_upright(crowd::usual_height, scene.channel->depth,
                                          {scene.fluid->rest_density, scene.world->gravity});
@@ -34,7 +35,7 @@ void add_balance(const PeopleRun& run, Result& result) {
 
 constexpr const char* river = "validation/people_river.json";
 
-// Of one who stands at `x` and `z`, as a mean over all of these places.
+// Measures the drag of one standing person, as a mean over all positions of `x` and `z`.
 Result drag_in(const Request& request, const std::vector<std::string>& of_the_river,
                const std::vector<double>& x = {12.03}, const std::vector<double>& z = {4.07}) {
     Result result;
@@ -79,7 +80,7 @@ void scatter(Scene& scene, int n) {
     }
 }
 
-// What was found before: F over the law of drag of one alone.
+// Adds F per person over the law of drag for one person, and its error against `before`, a value found earlier.
 void add_beside(double found, double before, Result& result) {
     result.metrics.push_back({"drag_per_person", found, "1"});
     result.metrics.push_back({"drag_per_person_error", std::abs(found / before - 1), "1"});
@@ -127,7 +128,7 @@ Result run_vegetation(const Request& request) {
     return result;
 }
 
-// What lies between two places, summed up over frames: depth, and rho (g h^2 / 2 + q^2 / h), N/m, of slices a metre long.
+// Sums over frames for a reach of the river: depth, and rho (g h^2 / 2 + q^2 / h), N/m, as means of slices 1 m long.
 struct Reach {
     Interval x;
     double depth = 0, momentum = 0;  // sums
@@ -170,7 +171,7 @@ Result run_row(const Request& request) {
         });
     const double h = before.depth / before.frames, fall = h - behind.depth / behind.frames;
     const double per_width = run.drag() / scene.channel->z.length();
-    // Between the middles of the reaches, 10 m apart, the river is driven by its share of the whole force.
+    // The stretch of 10 m between the middles of the reaches gets its fraction of the driving force.
     const double lost = per_width * (1 - 10 / scene.channel->x.length());
     // d(g h^2 / 2 + q^2 / h) / dh = g h (1 - Fr^2)
     const double speed = scene.channel->velocity, gravity = scene.world->gravity;
@@ -185,7 +186,7 @@ Result run_row(const Request& request) {
     return result;
 }
 
-// One who answers by the body, of the scene's json.
+// Returns a person with the body response as JSON of the scene.
 std::string person(const std::string& name, double x, double z, const std::string& more) {
     return R"({"name": ")" + name + R"(", "start": {"x_m": )" + std::to_string(x) + R"(, "z_m": )" + std::to_string(z) +
            R"(}, "goal": {"x_m": 24, "z_m": 8}, "desired_speed_m_s": 0)" + more + "}";
@@ -194,7 +195,7 @@ std::vector<std::string> people_by_body(const std::string& groups, const std::st
     return {"/crowd/response=measured", "/crowd/groups=[" + groups + "]", "/duration_s=" + duration};
 }
 
-// Two who brace themselves, one in mid-stream, one 0.3 m before the wall, where neither stands in the other's wake.
+// Two braced people, one in mid-stream, one 0.3 m before the wall, neither in the other's wake.
 Result run_wall(const Request& request) {
     Result result;
     const Scene scene = scene_for(request, river,
@@ -242,7 +243,7 @@ Result run_free_body(const Request& request) {
     return result;
 }
 
-// One whose feet slip, one who floats, one who falls and one who walks across, with as many frames and steps a second.
+// Results of four people at one rate of frames and steps: one slips, one floats, one falls, one walks across.
 struct TwoWays {
     double slides = 0, floats = 0, topples = 0, arrives = 0;  // m in 8 s; s
 };
@@ -319,7 +320,7 @@ Case people_drag_case() {
 }
 
 Case people_drag_half_deep_case() {
-    // From place to place the drag differs by 2 % (standard deviation), for a minute and longer.
+    // Between positions the drag differs by 2 % (standard deviation), for a minute and longer.
     return drag_case("people_drag_half_deep", "The same in 0.5 m of water, as a mean over four places.", {0.25, 0.125},
                      [](const Request& request) {
                          return drag_in(request, {"/channel/depth_m=0.5"}, {12.03, 12.1}, {4, 4.07});

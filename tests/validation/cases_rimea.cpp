@@ -163,7 +163,7 @@ struct Evacuation {
     double left_behind = 0;
     double last = 0;          // s
     double time_of_95 = 0;    // s; NaN if fewer left
-    std::vector<double> out;  // times at which people left, s
+    std::vector<double> out;  // times when people left, s
 };
 
 Evacuation evacuate(const Scene& scene, const std::vector<Route>& doors, Result& result, Overlaps& overlaps) {
@@ -240,7 +240,7 @@ double density_before(const crowd::CrowdWorld& crowd, double x) {
 
 struct Passage {
     double left_behind = 0;
-    double flow = 0;               // 1/s, of the middle 80 % of those who passed
+    double flow = 0;               // 1/s, of the middle 80 % of passages
     double last = 0;               // s
     double density_corridor = 0;   // 1/m2, largest before the corridor, means of 5 s
     double density_door = 0;       // 1/m2, largest before the door of the second room

@@ -58,7 +58,7 @@ Balance run_until(ShallowWater& world, double time, Result& result) {
     return balance;
 }
 
-// Thacker's paraboloid and his trough between slanted walls, in which the surface stays a plane that swings (W. C. Thacker,
+// Thacker's paraboloid and his trough between slanted walls: the surface stays a plane that swings (W. C. Thacker,
 // J. Fluid Mech. 107 (1981), 499-508, as collected by SWASHES). Depth after one period over its largest value.
 Result run_bowl(const Request& request) {
     constexpr double degrees = 17, size = 4, deep = 0.5, a = 1, lift = 0.5, wide = 1.2;

@@ -1,4 +1,4 @@
-// Streams of people with bodies who come the other way, or across.
+// Opposing and crossing streams of people with bodies.
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ void set_people(Scene& scene, std::size_t group, int people) {
 // IMO test 8. Desired speeds of people of 30 to 50 years, uniform from 1.41 to 1.54 m/s: RiMEA guideline, after Weidmann 1992
 // (table 1 of Zhou, Klein and Mayer 2015, Validation of a Pedestrian Simulator with RiMEA Test Scenarios).
 void draw_speeds(crowd::CrowdWorld& crowd) {
-    constexpr std::uint64_t stream = 0x7370656564;  // apart from those of the markers, which are numbers of cells
+    constexpr std::uint64_t stream = 0x7370656564;  // apart from the marker streams, which are cell numbers
     for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
         crowd.agents.desired_speed[id] = 1.41 + 0.13 * crowd::counter_uniform(crowd.scene.seed, stream, id);
     }
@@ -117,7 +117,7 @@ Result run_blocks(const Request& request) {
     return result;
 }
 
-// A door that 100 people pass one way and 50 the other.
+// A door that 100 people pass in one direction and 50 in the other.
 Result run_two_way_doors(const Request& request) {
     const std::uint64_t seeds = request.level == 0 ? 1 : 5;
     Result result = crowd_result();
@@ -208,7 +208,7 @@ Result run_head_on(const Request& request) {
     return result;
 }
 
-// A corridor that is walked both ways, beside one that is walked one way.
+// A corridor with people in both directions, beside a corridor with people in one direction.
 Result run_two_way(const Request& request) {
     const double time = request.level == 0 ? 60 : 300;  // s
     Request with_bodies = request;

@@ -17,7 +17,7 @@
 namespace wade::validation {
 namespace {
 
-// Start-up of Poiseuille and of Couette flow between planes to which the water sticks: viscosity and no-slip boundaries.
+// Start-up of Poiseuille and of Couette flow between no-slip planes: tests viscosity and no-slip boundaries.
 
 // s; the profiles that Morris et al. (1997) show, the last is steady.
 constexpr std::array couette_times{0.0225, 0.045, 0.1125, 0.225, 1.0};

@@ -1,4 +1,4 @@
-// People with bodies who walk: at their own speed, round corners, to the exit that is theirs, at any step rate.
+// Walking people with bodies: at their own speed, round corners, to their own exit, at any step rate.
 
 #include <algorithm>
 #include <array>

@@ -22,15 +22,15 @@ Columns average_columns(Water& water, double from, double to, double column, Cos
 // Discharge per width of a column, m^2/s, towards -x.
 double discharge(const Columns& columns, std::size_t k);
 
-// Mean over the columns whose centres lie in a range of x; NaN if there are none.
+// Returns the mean over the columns with centres in a range of x; NaN if there are none.
 double mean_over(const Columns& columns, const Interval& x, const std::function<double(std::size_t)>& value);
 double mean_depth(const Columns& columns, const Interval& x);      // m
 double mean_discharge(const Columns& columns, const Interval& x);  // m^2/s
 
-// sqrt(sum (h - h_exact)^2 / sum h_exact^2) over the columns whose centres lie in a range of x.
+// Returns sqrt(sum (h - h_exact)^2 / sum h_exact^2) over the columns with centres in a range of x.
 double depth_error(const Columns& columns, const Interval& x, const std::function<double(double)>& exact_depth);
 
-// The largest |q / q_mean - 1| of a column whose centre lies in a range of x.
+// Returns the largest |q / q_mean - 1| of the columns with centres in a range of x.
 double discharge_variation(const Columns& columns, const Interval& x);
 
 }  // namespace wade::validation

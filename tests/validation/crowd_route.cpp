@@ -11,8 +11,8 @@ namespace wade::validation {
 
 namespace {
 
-// A bit behind the nearest point of the gate, so that the direction is defined at the gate itself; then far beyond, so
-// that nobody arrives there.
+// Returns a goal in the direction of a point a bit behind the gate, so that the direction is defined at the gate
+// itself. The goal is far beyond, so that no agent arrives there.
 crowd::Vector2d goal_behind(const Gate& gate, const crowd::Vector2d& p) {
     constexpr double behind = 0.2;   // m
     constexpr double beyond = 1000;  // m

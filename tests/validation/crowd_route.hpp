@@ -1,6 +1,6 @@
 #pragma once
-// Leads people through gates. The crowd's model knows goals only, no ways round corners; the tests of RiMEA ask for
-// people who know the way, so the way is given from outside, as the gates of a route.
+// Leads people through gates. The crowd's model alone has goals and no routes round corners, but the tests of RiMEA
+// need people with known routes. So each route is given from outside, as a list of gates.
 
 #include <functional>
 #include <vector>
@@ -11,8 +11,8 @@
 
 namespace wade::validation {
 
-// A line across the way from a to b, m, passed in the direction `forward` (a unit vector). People aim at the nearest point
-// of it that is `inset` away from its ends.
+// A line across a route, from a to b, m, passed in the direction `forward` (a unit vector). People aim at the nearest
+// point of it that is `inset` away from its ends.
 struct Gate {
     crowd::Vector2d a, b;
     crowd::Vector2d forward;
@@ -28,14 +28,14 @@ struct Guide {
     std::vector<std::vector<double>> passed_at;  // by agent and gate, s; only gates passed are listed
 };
 
-// Everybody at the first gate of the route of its number.
+// Returns a guide with each agent before the first gate of its route; `route_of` gives the route by agent.
 Guide make_guide(const crowd::CrowdWorld& crowd, std::vector<Route> routes, std::vector<std::size_t> route_of);
 
-// Notes which gates were passed and sets the goals for the next step. Who has passed the last one stands on its goal and
-// is taken out by the crowd as arrived.
+// Records passed gates and sets the goals for the next step. An agent past its last gate stands on its goal, and the
+// crowd removes it as arrived.
 void guide(crowd::CrowdWorld& crowd, Guide& guide);
 
-// Times at which gate number `gate` was passed, ascending, s.
+// Returns the times when gate number `gate` was passed, ascending, s.
 std::vector<double> passages(const Guide& guide, std::size_t gate);
 
 // The corridor without ends: 20 m long and 8 m wide between walls.
@@ -49,7 +49,7 @@ inline constexpr Interval four_metres{3, 7};
 double weidmann_speed(double density);
 
 // The corridor with people of 1.34 m/s spread over a jittered grid, at `density` per m2 of walkable ground (rounded to
-// whole people). With `two_ways` every second one walks towards -x. across: between the walls, m.
+// whole people). With `two_ways` every second person walks towards -x. across: between the walls, m.
 crowd::CrowdWorld corridor_crowd(const Request& request, SpeedRule rule, double density, bool two_ways,
                                  const Interval& across = corridor_z);
 

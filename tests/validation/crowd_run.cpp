@@ -45,7 +45,7 @@ double unrolled_x(const crowd::CrowdWorld& crowd, std::size_t id) {
 }
 
 void jitter(crowd::CrowdWorld& crowd, double amplitude_x, double amplitude_z) {
-    constexpr std::uint64_t stream = 0x6a69747465;  // apart from those of the markers, which are numbers of cells
+    constexpr std::uint64_t stream = 0x6a69747465;  // apart from the marker streams, which are cell numbers
     for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
         const double u = crowd::counter_uniform(crowd.scene.seed, stream, 2 * id);
         const double w = crowd::counter_uniform(crowd.scene.seed, stream, 2 * id + 1);

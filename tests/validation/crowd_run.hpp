@@ -27,7 +27,7 @@ Result crowd_result();
 // Coordinate along a periodic world that counts on over the ends, m.
 double unrolled_x(const crowd::CrowdWorld& crowd, std::size_t id);
 
-// Moves everybody by up to `amplitude` m along x and z, at random, the same for a scene's seed.
+// Moves each agent at random, by up to `amplitude_x` and `amplitude_z` m; the scene's seed determines the moves.
 void jitter(crowd::CrowdWorld& crowd, double amplitude_x, double amplitude_z);
 
 // Half of the width that an agent takes up as it stands now, m; without bodies that of `body_radius`.
@@ -36,7 +36,7 @@ double half_width(const crowd::CrowdWorld& crowd, std::uint32_t id);
 // Discs of their half widths round the agents that overlap, over several samples.
 struct Overlaps {
     double samples = 0;      // agents summed over samples
-    double overlapping = 0;  // of them, those that overlap somebody
+    double overlapping = 0;  // of them, agents that overlap another
     double pairs = 0;
     double depth_sum = 0;  // m
     double deepest = 0;    // m

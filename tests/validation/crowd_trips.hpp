@@ -1,6 +1,5 @@
 #pragma once
-// Crowds that go from one place to another: when each one passes a line, and that nobody overlaps anybody or stands in a
-// wall meanwhile.
+// Crowds that walk to a goal: when each person passes a line, and whether bodies overlap or reach into walls meanwhile.
 
 #include <functional>
 #include <vector>
@@ -20,7 +19,7 @@ struct Tally {
     double overlaps = 0;     // pairs of bodies that overlap
     double in_walls = 0;     // bodies that reach into an obstacle, centres beyond the edge of the world
     double deepest = 0;      // m, of both
-    double left_behind = 0;  // people who have not passed their line at the end: the most of a run
+    double left_behind = 0;  // people that have not passed their line at the end: largest of all runs
 };
 
 // Looks at the active agents as they stand.
@@ -35,15 +34,15 @@ struct Trip {
     double end = 0;                 // of the run, s
 };
 
-// Walks until everybody has passed the line of his group, the last line standing for all further groups. `before_step` may
-// set goals. Between two steps the line is passed in proportion.
+// Walks until all people have passed the lines of their groups; the last line serves all further groups. `before_step`
+// may set goals. The passing time is interpolated linearly within a step.
 Trip walk_past(crowd::CrowdWorld& crowd, const std::vector<Gate>& lines, Result& result, Tally& tally,
                const crowd::WaterView& water = {}, const std::function<void()>& before_step = {});
 
-// Times of a group, ascending; of those who have passed.
+// Returns the passing times of a group, s, ascending, without people that have not passed.
 std::vector<double> times_of(const crowd::CrowdWorld& crowd, const Trip& trip, std::uint32_t group = 0);
 
-// People a second, of the middle 80 % of those who passed; NaN: fewer than 20 did.
+// Returns the flow of the middle 80 % of passages, people a second; NaN for fewer than 20 passages.
 double middle_flow(const std::vector<double>& times);
 
 // People outside over time, a column a run, every `step` s until the last one is out.
@@ -52,7 +51,7 @@ Curve curve_of_leaving(const std::string& name, const std::vector<std::string>& 
 
 double mean(const std::vector<double>& values);
 
-// The greater one; NaN if one of them is.
+// Returns the greater value; NaN if one of them is NaN.
 double worse(double a, double b);
 
 }  // namespace wade::validation

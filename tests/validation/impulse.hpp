@@ -1,5 +1,5 @@
 #pragma once
-// What the water does to the people of a scene: impulse on those who stand, outcome of those who walk.
+// Effect of the water on the people of a scene: impulse on standing people, outcome of walking people.
 //
 // Water and crowd run in one process, frame by frame, as the two programs do in lockstep: the water computes frame k,
 // the crowd takes step k through it. The crowd acts on the water as the scene has it.
@@ -58,13 +58,13 @@ struct ImpulseRun {
 
 // Adds to `result` the curves of the run and, unless the reference is empty, its errors against it:
 //   impulse_median, impulse_p95  |I_a - I_a,ref| / L_a,ref over the standing agents with L_a,ref > 0. The load in the
-//                                denominator keeps an agent in a lee, where the impulse cancels, from dividing by
+//                                denominator keeps an agent in a wake, where the impulse cancels, from dividing by
 //                                nearly nothing; in a stream of one direction L = |I|.
 //   load_total                   |sum L_a - sum L_a,ref| / sum L_a,ref: what remains once the scatter among agents
 //                                cancels
-//   outcome_changed              share of the walking agents whose outcome is another one
+//   outcome_changed              fraction of the walking agents with another outcome
 //   end_time_median              s, over the walking agents that arrive or die in both runs in the same way
-//   end_place_median             m, over all walking agents: distance of their last places
+//   end_place_median             m, over all walking agents: distance of their last positions
 // Throws std::runtime_error if the two runs are not of the same agents.
 void compare_impulse(const ImpulseRun& run, const ImpulseRun& reference, Result& result);
 
@@ -75,7 +75,7 @@ void compare_impulse(const ImpulseRun& run, const ImpulseRun& reference, Result&
 // |I_a - I| / |I|. impulse: I, kg m
 void compare_with_uniform_stream(const ImpulseRun& run, const crowd::Vector2d& impulse, Result& result);
 
-// A frame in memory of our own, in place of the shared one.
+// A frame in private memory, instead of the shared one.
 class FrameMemory {
  public:
     explicit FrameMemory(const fluid::FluidModel& model) : column_(model.column_width()) {
@@ -107,7 +107,7 @@ class FrameMemory {
     std::size_t count_ = 0;
 };
 
-// Hands the agents to the water, as the two programs do with /coupling/agents_stream; with `parallel` those of a frame before.
+// Hands the agents to the water, as the two programs do with /coupling/agents_stream; with `parallel` one frame late.
 class WayBack {
  public:
     void give(const crowd::CrowdWorld& people, std::uint64_t frame, fluid::FluidModel& water) {
@@ -157,8 +157,8 @@ class WayBack {
     std::vector<crowd::Vector2d> sent_;
 };
 
-// People who push the water (/coupling/two_way): sums of the second half of a run, when the river has found its state, and the
-// account of all of it.
+// Momentum exchange between people and water (/coupling/two_way): sums over the second half of a run, when the river
+// has settled, and the momentum balance of the whole run.
 struct PeopleRun {
     double half = 0;                                // s
     std::vector<crowd::Vector2d> impulse;           // by id, N s
@@ -178,7 +178,7 @@ struct PeopleRun {
 // Called after each frame, at its time, s.
 using Look = std::function<void(const crowd::CrowdWorld&, const crowd::WaterView&, double)>;
 
-// Runs the scene as run_impulse, with people who push.
+// Runs the scene like run_impulse, with momentum exchange between people and water.
 [[nodiscard]] PeopleRun run_people(const Scene& scene, Result& result, const Look& look = {});
 
 }  // namespace wade::validation

@@ -1,4 +1,4 @@
-// Runs any scene, water and crowd in one process, and writes what the water did to those who stand.
+// Runs any scene, water and crowd in one process, and writes the impulse on each standing agent.
 
 #include <omp.h>
 

@@ -117,8 +117,8 @@ struct March {
     std::vector<double> depths;
 };
 
-// Integrates h'' from the start of the bump to some metres behind it, by Runge and Kutta's fourth order, until it is clear
-// on which side of the transcritical flow it runs.
+// Integrates h'' from the start of the bump to some metres behind it, by a fourth-order Runge-Kutta method. Stops once
+// the solution has clearly left the transcritical flow to one side.
 March march(double q, double g, double energy) {
     constexpr double dz = 0.1;  // z'' = -dz on the bump
     constexpr double kink = 2 * dz * bump_half_length / 2;

@@ -10,7 +10,7 @@
 
 namespace wade::validation {
 
-// Depth at which the flow has the least energy and Froude number 1: h_c = (q^2 / g)^(1/3).
+// Returns the critical depth, with the least energy and Froude number 1: h_c = (q^2 / g)^(1/3).
 double critical_depth(double q, double g);
 
 // Specific energy, the head above the bed: E = h + q^2 / (2 g h^2), m.
@@ -55,7 +55,7 @@ BumpFlow transcritical_bump_flow(double q, double g);
 
 // As before, and a jump back to subcritical flow on the lee side, or on the level bed behind it (then at `jump` =
 // crest + half length), so that the depth far downstream is depth_downstream. Throws std::invalid_argument if there is
-// no such place: the jump would be swept away or would drown the crest.
+// no such position: the jump would be swept away or would drown the crest.
 BumpFlow bump_flow_with_jump(double q, double depth_downstream, double g);
 
 // The transcritical flow with the curvature of its streamlines, which the hydrostatic solution leaves out: to second order
@@ -63,7 +63,7 @@ BumpFlow bump_flow_with_jump(double q, double depth_downstream, double g);
 //   H = z + h + q^2 / (2 g h^2) (1 + (2 h h'' - h'^2) / 3 + h z'' + z'^2),   ' = d/ds
 //
 // (F. Serre, La Houille Blanche 8 (1953); W. H. Hager and K. Hutter, Acta Mechanica 51 (1984), 31-48). Uniform flow
-// upstream, no waves; H is the one head with which the flow becomes uniform and supercritical downstream. At the ends
+// upstream, no waves; only this head H leads to uniform supercritical flow downstream. At the ends
 // of the bump its slope changes by 0.2, and with it h' by -3/2 of that.
 struct CurvedBumpFlow {
     double q = 0;

@@ -1,4 +1,4 @@
-// person_demands < LIST: what a stream of 1 m/s asks of people who stand in it, by the equations of the response `measured`.
+// person_demands < LIST: the load of a stream of 1 m/s on standing people, by the equations of the response `measured`.
 //
 // A line of LIST is "height_m mass_kg depth_m skill"; each has a line of the answer, "S T R". As all grow with the square of the
 // velocity, such people slip at 1 / sqrt(S) or 1 / sqrt(R) m/s and topple at 1 / sqrt(T) m/s. With "-" for a skill the friction and the arm over

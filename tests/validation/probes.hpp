@@ -1,5 +1,5 @@
 #pragma once
-// What an instrument at a fixed place would read.
+// Readings of an instrument at a fixed point.
 
 #include <array>
 
@@ -20,7 +20,7 @@ double wall_pressure(const fluid::Particles& particles, const std::array<double,
 
 // Length of a vertical wire that is wet, m: the volume of water round the wire over the area that it stands on. Each
 // particle counts with (1 - |dx|/w) (1 - |dz|/w) / w^2, w = 2 spacings, which is exact for a lattice wherever the wire
-// stands. Drops and a film count with their volume, air beneath a jet does not count. x, z: place, spacing: m
+// stands. Drops and a film count with their volume, air beneath a jet does not count. x, z, spacing: m
 double wet_length(const fluid::Particles& particles, double x, double z, double spacing);
 
 }  // namespace wade::validation

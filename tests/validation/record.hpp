@@ -14,7 +14,7 @@ namespace wade::validation {
 struct Record {
     const Case& what;
     std::string level;            // coarse, medium, fine, or spacing-0.05
-    std::size_t level_index = 0;  // whose thresholds hold
+    std::size_t level_index = 0;  // selects the thresholds
     Request request{};
     int threads = 1;
     std::size_t starts = 1;

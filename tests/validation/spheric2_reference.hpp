@@ -3,8 +3,8 @@
 // B. Iwanowski and B. Buchner, A volume-of-fluid based simulation method for wave impact problems, J. Comput. Phys. 206
 // (2005), 363-393; data published by SPHERIC, R. Issa and D. Violeau, Test-case 2: 3D dambreaking (2006).
 //
-// A short table derived from the published series is part of the program. The series itself is not: a user who has it
-// names its folder in the environment variable WADE_SPHERIC2_DATA.
+// A short table derived from the published series is part of the program. The series itself is not: users who have it
+// name its folder in the environment variable WADE_SPHERIC2_DATA.
 
 #include <array>
 #include <cstddef>
@@ -27,14 +27,14 @@ struct Spheric2Reference {
 // gauges' noise is 0.001 m.
 inline constexpr double spheric2_arrival_height = 0.03;
 
-// First time at which a height exceeds spheric2_arrival_height, s, between the samples linearly; NaN: never.
+// Returns the first time, s, when a height exceeds spheric2_arrival_height, linear between the samples; NaN: never.
 double arrival_time(const std::vector<double>& time, const std::vector<double>& height);
 
 // The table: every 0.25 s from 0 to 3 s.
 Spheric2Reference spheric2_table();
 
-// The series from a CSV file whose header names at least t_s, H1_m to H4_m, P1_Pa and P3_Pa, in rows 20 ms apart up to
-// 3 s and more, pressures averaged over the 20 ms round t_s. Throws ConfigurationError with file and reason.
+// Reads the series from a CSV file; its header names at least t_s, H1_m to H4_m, P1_Pa and P3_Pa, in rows 20 ms apart
+// up to 3 s and more, pressures averaged over the 20 ms round t_s. Throws ConfigurationError with file and reason.
 Spheric2Reference spheric2_series(const std::filesystem::path& file);
 
 // spheric_test2_50Hz_boxavg.csv in the folder that WADE_SPHERIC2_DATA names; the table if it is not set.

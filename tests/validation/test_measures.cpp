@@ -175,7 +175,7 @@ TEST_CASE("the other component, and a point without particles", "[viscous_measur
 }
 
 TEST_CASE("the table of the cavity conserves mass", "[viscous_measures]") {
-    // What flows one way through a centre line flows back through it: trapezoidal rule, as exact as the points are dense.
+    // The net flux through a centre line is zero, by the trapezoidal rule as exactly as the points are dense.
     const auto flux = [](const auto& table, std::size_t column, bool gaps) {
         double sum = 0;
         for (std::size_t i = 1; i < table.size(); ++i) {

@@ -39,7 +39,7 @@ class ShortComparison(unittest.TestCase):
         self.assertEqual({(row["case"], row["model"], row["status"]) for row in rows},
                          {(case, model, "completed") for case in ("dam_break", "impulse_front") for model in MODELS}
                          - {("dam_break", "mixed", "completed")}
-                         | {("dam_break", "mixed", "refused")})  # nobody is there whom it could follow
+                         | {("dam_break", "mixed", "refused")})  # it has no agents for its particle region to follow
 
     def test_the_grid_is_cheaper_and_keeps_the_limits_of_the_dam_break(self):
         by_model = {row["model"]: row for row in read_csv(self.out / "models.csv")

@@ -180,8 +180,8 @@ Record make_record(const Options& options) {
     return record;
 }
 
-// A threshold whose metric the run does not have judges nothing: the metric is added as one that could not be measured,
-// so that the check and the report fail, and named; but for metrics that the model of the fluid cannot have.
+// Adds each metric that has a threshold but is missing in the run, as not measured, so that the check and the report
+// fail and name it. Metrics that the model of the fluid cannot have are exempt.
 void add_missing_metrics(const std::vector<Threshold>& thresholds, Record& record) {
     for (const Threshold& row : thresholds) {
         if (row.case_name != record.what.name || !row.levels.at(record.level_index)) continue;

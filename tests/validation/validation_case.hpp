@@ -1,5 +1,5 @@
 #pragma once
-// A validation case: a simulation whose truth is known, and what its error is.
+// A validation case: a simulation with a known solution, and its error.
 //
 // A case is one file, case_NAME.cpp, with a function NAME_case() that cases.hpp declares and cases.cpp lists. The
 // program `validate` runs it, thresholds.csv says which of its metrics are judged.
@@ -17,7 +17,7 @@ struct Metric {
     std::string name;          // lower case with underscores, for example pressure_rms
     double value = 0;          // NaN: could not be measured, which fails a threshold
     std::string unit;          // "1" for a ratio
-    double low = 0, high = 0;  // of several starts, whose median `value` is; else not used
+    double low = 0, high = 0;  // range of several starts, `value` is their median; else not used
 };
 
 // A table for a plot: simulated and true values side by side. The first column is the abscissa, every other one a curve
@@ -36,7 +36,7 @@ struct Request {
     std::size_t level = 0;  // index of the case's resolution, for cases whose levels are numbers of runs
     std::vector<std::string> overrides;
     double gravity_factor = 1;             // of all scenes: starts differ by it, see Case::starts
-    bool compares_with_finest_run = true;  // false: a case whose truth is a stored run of our own makes a new one
+    bool compares_with_finest_run = true;  // false: makes a new reference run where the truth is a stored run
 };
 
 struct Result {

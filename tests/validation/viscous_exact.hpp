@@ -17,12 +17,13 @@ double poiseuille_velocity(double y, double t, double acceleration, double visco
 //   u = U y / L + sum_{n > 0} 2 U / (n pi) (-1)^n sin(n pi y / L) exp(-n^2 pi^2 nu t / L^2)
 double couette_velocity(double y, double t, double speed, double viscosity, double height);
 
-// Share of its first speed that the Taylor-Green vortex of a square of side `length` still has at time t:
-// exp(-2 nu k^2 t) with k = 2 pi / L, for u = -U cos kx sin ky, v = U sin kx cos ky (Taylor and Green 1937, in the plane).
+// Returns the fraction of its first speed that the Taylor-Green vortex of a square of side `length` still has at time
+// t: exp(-2 nu k^2 t) with k = 2 pi / L, for u = -U cos kx sin ky, v = U sin kx cos ky (Taylor and Green 1937, in the
+// plane).
 double taylor_green_decay(double t, double viscosity, double length);
 
-// Steady flow in the square cavity whose lid moves along +x: Ghia, Ghia and Shin, Journal of Computational Physics 48
-// (1982), 387-411, tables I and II, grid 129 x 129. Lengths over the side, velocities over the speed of the lid.
+// Steady flow in a square cavity with a lid that moves along +x: Ghia, Ghia and Shin, Journal of Computational Physics
+// 48 (1982), 387-411, tables I and II, grid 129 x 129. Lengths over the side, velocities over the speed of the lid.
 
 struct GhiaRow {
     double place = 0;                  // y of table I, x of table II

@@ -1,4 +1,4 @@
-// What the crowd sees of a scale model: places, speeds and masses of the world, on the world's clock.
+// What the crowd sees of a scale model: positions, speeds and masses of the world, on the world's clock.
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -48,7 +48,7 @@ class NeverForgets(Publisher):
 
 
 class StumblesOverAHastyLeaver(Publisher):
-    """Admits whoever has asked for a page, also those who are gone."""
+    """Admits every consumer that has asked for a page, even after it has left."""
 
     caught_by = "hasty_leaver"
 
@@ -118,7 +118,7 @@ class NeverDrains(Publisher):
 
 
 class GoesOnAlone(Publisher):
-    """Does not notice that nobody is left."""
+    """Does not notice that no consumer is left."""
 
     caught_by = "all_leave"
 

@@ -62,7 +62,7 @@ class Publisher:
     # Creation.
 
     def create(self):
-        """Creates the object exclusively, locks it, sizes it; replaces one whose producer is dead."""
+        """Creates the object exclusively, locks it, sizes it; replaces that of a dead producer."""
         while True:
             try:
                 fd = os.open(self.path, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC, self.permissions)
@@ -171,7 +171,7 @@ class Publisher:
                 raise Failure(6, f"The page of consumer {i} was overwritten.")
 
     def survey(self, frame):
-        """Admits at this frame (0: nobody), sees who left or gave up; the numbers of those who are waited for."""
+        """Admits at this frame (0: none), notices goodbyes and failures; returns the consumers to wait for."""
         for i in range(MAX_CONSUMERS):
             state = self.consumer(i, ConsumerPage.STATE)
             self.check_words(i, state)
@@ -260,7 +260,7 @@ class Publisher:
         self.wait(lambda: self.survey(1) or None, 0, self.options.attach_timeout_s, 3)
 
     def wait_for_acknowledgements(self, owed, frame):
-        """Those who take part, once all of them have acknowledged what is owed."""
+        """Returns the consumers to wait for, once all have acknowledged frame `owed`."""
 
         def ready():
             active = self.survey(frame)
@@ -271,7 +271,7 @@ class Publisher:
     # Frames.
 
     def begin_frame(self, frame):
-        """False: nobody is left to send it to."""
+        """Returns False if no consumer is left."""
         self.beat()
         if frame == 1:
             self.enter(RUNNING)

@@ -1,10 +1,10 @@
 // kill_peer produce|consume SESSION [--frames N] [--consumers N] [--depth D] [--log FILE]
 //           [--kill-after-us T | --kill-when writing|published|reading|released --kill-at-frame F]
 //
-// One side of a stream whose every value is known, which may be killed at any moment. It keeps a log of the frames that
-// it has published or used: a line is written before the frame is acknowledged, so the log holds all that the other
-// side can have been told. --kill-after-us sets a timer that kills the process without any warning; --kill-when has it
-// die at a place that a timer would rarely hit.
+// One side of a stream of known values, which may be killed at any moment. It keeps a log of the frames that it has
+// published or used: a line is written before the frame is acknowledged, so the log holds all that the other side can
+// know. --kill-after-us sets a timer that kills the process without any warning; --kill-when kills it at a point that a
+// timer would rarely hit.
 
 #include <fcntl.h>
 #include <signal.h>
@@ -51,7 +51,7 @@ void kill_myself_after(std::uint64_t microseconds) {
         throw std::runtime_error("the timer cannot be set");
 }
 
-// A place in a frame at which this process may have been told to die.
+// Kills this process if --kill-when names this point of the frame and --kill-at-frame this frame.
 void may_die(const Options& options, const std::string& place, std::uint64_t frame) {
     const auto found = options.find("--kill-when");
     if (found != options.end() && found->second == place && frame == number(options, "--kill-at-frame", 0))

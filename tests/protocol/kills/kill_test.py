@@ -7,11 +7,11 @@ Each run has a producer and one or two consumers, depth 1 to 3, on one processor
 kills somewhere between its first instruction and its last. Then must hold:
 
   * Every survivor ends by itself; none hangs, none is given a torn, a skipped or a repeated frame.
-  * Whoever took part with the victim ends with exit code 4 and names it and the frame at which it died, unless all was
-    over for this survivor when the victim died (0). In a pair that never met, the survivor ends with 3, and a consumer
-    whose companion died, which the producer reports as the reason of its end, with 5.
+  * A survivor that took part with the victim ends with exit code 4 and names the victim and the frame of its death,
+    unless the stream was over for this survivor when the victim died (0). In a pair that never met, the survivor ends
+    with 3. A consumer ends with 5 if the producer ended because the other consumer died.
   * What a consumer has acknowledged, as the segment says, is in that consumer's log.
-  * The kills did hit: half of the victims at least were killed, and somebody said "peer dead"; from 300 runs on each
+  * The kills did hit: half of the victims at least were killed, and a survivor said "peer dead"; from 300 runs on each
     state that a participant passes through was hit, too.
 """
 
@@ -88,7 +88,7 @@ def state_of_producer(segment):
 
 
 def consumer_entries(segment):
-    """{pid: (state, acknowledged frame)} of the consumer pages that somebody has filled in."""
+    """{pid: (state, acknowledged frame)} of the consumer pages with a process id."""
     entries = {}
     for offset in range(CONSUMERS, len(segment), PAGE):
         pid = word(segment, offset + 80, "<I")
@@ -169,7 +169,7 @@ class Run:
 
     @staticmethod
     def way_to_die(random_numbers, role):
-        """By a timer, or at a place that a timer would rarely hit: in the first, the last or some frame."""
+        """Returns options: a timer, or a point that a timer would rarely hit, in the first, the last or some frame."""
         if random_numbers.random() < 0.7:
             # Short delays hit creation and attachment, long ones the frames and the end.
             return "--kill-after-us", int(10 ** random_numbers.uniform(2.6, 4.9))

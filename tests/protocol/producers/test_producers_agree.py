@@ -29,7 +29,7 @@ PRODUCERS = {
     "node": [os.environ.get("WADE_NODE", "node"), FOLDER / "node" / "producer.mjs"],
     "people": [PROGRAMS / "producers" / "people_producer"],
 }
-TAKE_PEOPLE = {"ctypes": ["serial"], "node": ["parallel"], "people": ["serial", "parallel"]}  # and in which lags it is tried
+TAKE_PEOPLE = {"ctypes": ["serial"], "node": ["parallel"], "people": ["serial", "parallel"]}  # and the coupling lags tried
 PRODUCERS = {name: PRODUCERS[name] for name in os.environ.get("WADE_PRODUCERS", " ".join(PRODUCERS)).split()}
 
 
@@ -148,7 +148,7 @@ class ProducersAgree(SystemTest):
         }
         cases = [(option, value) for option, values in wrong.items() for value in values]
         for name, command in PRODUCERS.items():
-            # Starting an interpreter takes long: a value of each option will do for those that share their parser.
+            # Starting an interpreter takes long: one value of each option is enough for programs with a common parser.
             chosen = cases if name in ("c", "plain", "node", "people") else cases[::4]
             for option, value in chosen:
                 with self.subTest(producer=name, option=option, value=value):
