@@ -6,8 +6,8 @@
         if water.poll():            # never waits
             flat = water.places("unreal")   # x, y, z, x, y, z, ... in that program's axes and units
 
-A free-running reader: it holds up nobody and may miss frames. Wade's axes are left-handed: x upstream, y up, z across, in
-metres; docs/engines.md has those of other programs.
+A free-running reader: no producer waits for it, and it may miss frames. Wade's axes are left-handed: x upstream, y up,
+z across, in metres; docs/engines.md lists the axes of other programs.
 """
 
 import array
@@ -117,7 +117,7 @@ class Stream:
         return self._stored[name] if scale == 1 else array.array("f", (scale * value for value in self._stored[name]))
 
     def _along(self, letter, axis, sign, units):
-        """An array along an axis of the world, "p" places or "v" velocities, in a program's units."""
+        """Returns an array along an axis of the world, "p" positions or "v" velocities, in a program's units."""
         i = "xyz".index(axis)
         stored = self.info.axes[i]
         values = self._stored[letter + "xyz"[abs(stored) - 1]]
@@ -133,11 +133,11 @@ class Stream:
         return flat
 
     def places(self, program="wade"):
-        """x, y, z, x, y, z, ... of all, in the axes and units of wade, unity, unreal, blender or gltf."""
+        """Returns positions x, y, z, x, y, z, ..., in the axes and units of wade, unity, unreal, blender or gltf."""
         return self._flat("p", program)
 
     def velocities(self, program="wade"):
-        """The same of velocities, units a second."""
+        """Returns the velocities in the same order and axes, in units per second."""
         return self._flat("v", program)
 
     def close(self):
@@ -148,7 +148,7 @@ class Stream:
 
 
 def show_in_blender(session, **options):
-    """In Blender: a mesh "water" whose vertices are the particles, followed while the session lives."""
+    """Adds a mesh "water" to the Blender scene. Its vertices follow the particles while the session lives."""
     import bpy
 
     water = Stream(session, **options)

@@ -45,7 +45,7 @@ bool decompress(std::span<const std::byte> payload, std::vector<std::byte>& out)
     return ZSTD_isError(got) == 0 && got == out.size();
 }
 
-// A quantised frame: mass as float32, velocities as int16, places as uint16.
+// A quantised frame: mass as float32, velocities as int16, positions as uint16.
 constexpr std::size_t velocity_fields = 1, place_fields = 4, quantised_fields = 7;
 constexpr std::size_t quantised_bytes = value_bytes + 3 * sizeof(std::int16_t) + 3 * sizeof(std::uint16_t);
 constexpr double most_velocity_steps = 32767, place_steps = 65535;
@@ -137,7 +137,7 @@ std::size_t append_quantised(std::span<const std::span<float>> fields, const Thi
 float position_error(const Thinning& thinning) {
     double error = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        // Half a step, and what float32 rounds of the place and, at the box's end, of 65535 steps.
+        // Half a step, and the rounding of the position and, at the box's end, of 65535 steps to float32.
         const float most = std::max(std::abs(thinning.low[axis]), std::abs(thinning.high[axis]));
         const double rounding = static_cast<double>(std::nextafter(most, 2 * most)) - static_cast<double>(most);
         error = std::max(error, 0.5 * static_cast<double>(place_step(thinning, axis)) + rounding);

@@ -1,5 +1,5 @@
 #pragma once
-// A look at a segment from outside: it joins nothing, maps read-only, takes no lock, and so disturbs nobody.
+// Inspects a segment from outside: joins nothing, maps read-only and takes no lock, so that it disturbs no participant.
 
 #include <cstdint>
 #include <optional>
@@ -57,7 +57,7 @@ struct SegmentView {
     std::int32_t reason_code = 0;
     std::string reason;                       // of a producer that aborted
     std::optional<shm::SlotDescriptor> last;  // of the newest frame; none: not published, or overwritten just now
-    std::vector<ConsumerView> consumers;      // those whose entry was ever used
+    std::vector<ConsumerView> consumers;      // one for each entry that was ever used
 };
 
 // Looks once; what the producer does meanwhile may show in one value and not yet in another.
@@ -66,7 +66,7 @@ struct SegmentView {
 // All names in /dev/shm that a stream could have, "/run1-agents", sorted.
 [[nodiscard]] std::vector<std::string> segment_names();
 
-// Frames by which a consumer in lockstep is behind the last published one.
+// Returns how many frames a consumer in lockstep is behind the last published one.
 [[nodiscard]] std::uint64_t frames_behind(const SegmentView& segment, const ConsumerView& consumer);
 
 // Frames per second of wall time between two looks; none if they saw different runs or no time passed.

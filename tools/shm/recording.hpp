@@ -36,8 +36,8 @@ class Recording {
     [[nodiscard]] std::uint64_t whole_bytes() const { return whole_bytes_; }  // up to the end of the last whole record
     [[nodiscard]] std::uint64_t plain_bytes() const;                          // of all arrays
 
-    // Fills the arrays of a slot with those of a frame.
-    // Errors: ConfigurationError if they are not what the recorder saw: another hash.
+    // Fills the arrays of a slot with the arrays of a frame.
+    // Errors: ConfigurationError if their hash is not the one that the recorder saw.
     void read(const FrameRecord& record, const shm::FrameFields& slot);
 
  private:

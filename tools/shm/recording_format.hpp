@@ -26,7 +26,7 @@ enum RecordKind : std::uint32_t {
 enum PayloadEncoding : std::uint32_t {
     payload_plain = 0,          // the required fields one after another, `count` float32 each
     payload_shuffled_zstd = 1,  // of each field first all lowest bytes, then all second ones ..., compressed as a whole
-    payload_quantised_zstd = 2  // the same with int16 for velocities and uint16 for places, see Thinning
+    payload_quantised_zstd = 2  // the same with int16 for velocities and uint16 for positions, see Thinning
 };
 enum EndReason : std::uint32_t {
     end_of_stream = 0,   // the producer ended the stream, or the last frame was final
@@ -37,7 +37,7 @@ enum EndReason : std::uint32_t {
 struct Thinning {
     float interval_s;         // from one frame to the next; 0: every frame
     float low[3], high[3];    // particles with low <= (x, y, z) <= high are in the file; all 0: all are
-    float velocity_step_m_s;  // a velocity is this times an int16; 0: places and velocities are not rounded
+    float velocity_step_m_s;  // a velocity is this times an int16; 0: positions and velocities are not rounded
     float position_error_m;   // largest distance, along an axis, of a position from where it was
 };
 

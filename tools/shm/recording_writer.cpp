@@ -24,7 +24,7 @@ namespace {
     throw ConfigurationError("The recording " + file.string() + " cannot be written: " + why + ".");
 }
 
-// A misspelt name must not cost anybody a file.
+// Throws ConfigurationError if the file has content and is no recording: a misspelt name must not cost another file.
 void demand_replaceable(int fd, const std::filesystem::path& file) {
     std::uint64_t begin = 0;
     const ssize_t got = ::pread(fd, &begin, sizeof begin, 0);  // below 0: a pipe
@@ -186,7 +186,7 @@ void RecordingWriter::write_all(std::span<const std::byte> bytes) {
             done += static_cast<std::size_t>(n);
         } else if (errno != EINTR) {
             const int error = errno;
-            // What was written of this record goes again, as far as the place allows.
+            // Removes the part of this record that was written, if the file can be truncated.
             if (::ftruncate(fd_, static_cast<off_t>(file_bytes_)) == 0)
                 ::lseek(fd_, static_cast<off_t>(file_bytes_), SEEK_SET);
             throw std::system_error(error, std::generic_category(), "writing the recording " + path_.string());

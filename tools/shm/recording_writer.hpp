@@ -16,7 +16,7 @@ namespace wade::recording {
 class RecordingWriter {
  public:
     // Opens the file, which may be an older recording. compression: 0 stores, 1 to 19 compress, faster to smaller.
-    // thinning: what is wanted; with a velocity_step_m_s places and velocities are rounded.
+    // thinning: what is wanted; with a velocity_step_m_s positions and velocities are rounded.
     // Errors: ConfigurationError if the file is something else than a recording or cannot be created.
     RecordingWriter(const std::filesystem::path& file, int compression, const Thinning& thinning = {});
     ~RecordingWriter();

@@ -33,7 +33,7 @@ struct Options {
     shm::Waiting waiting;
 };
 
-// The part of a fluid producer in a two-way run that has no use for the agents: takes every frame, looks at none.
+// Consumes the agents stream of a two-way run as a fluid producer does, and ignores what the frames hold.
 // Takes the frames of `/<session>-agents` in a thread of its own, from the moment the stream appears to its end.
 class AgentsTaker {
  public:
@@ -46,7 +46,7 @@ class AgentsTaker {
     // Throws what the thread met, if anything.
     void check() const;
 
-    // Throws the refusal of people who push, if they came: the cause of whatever else ends the replay.
+    // Throws the refusal of a stream with impulses, if one came: it is the cause of any other error of the replay.
     void check_refusal() const;
 
     // Waits for the end of the stream. Errors: as check().
@@ -106,7 +106,7 @@ void AgentsTaker::take_all(const std::string& session, const shm::Waiting& waiti
         if (subscriber->info().impulses) {
             const std::string why =
                 "A recording cannot answer people who push the water: a run with /coupling/two_way has no replay.";
-            // Known here before the crowd hears of it, whose end would otherwise be taken for the cause.
+            // Recorded before the crowd is told: otherwise the end of the crowd would be taken for the cause.
             fail(std::make_exception_ptr(shm::Error(shm::Failure::protocol_violation, why)));
             refused_ = true;
             subscriber->abort(static_cast<int>(shm::Failure::protocol_violation), why);
@@ -197,7 +197,7 @@ shm::StreamInfo stream_of(const Options& o, const Recording& r) {
     return info;
 }
 
-// Plays all frames; the number of the first frame that nobody wanted any more, 0 if all were played.
+// Plays all frames. Returns the number of the first frame that no consumer wanted any more, 0 if all were played.
 std::uint64_t play(Recording& r, shm::Publisher& publisher, AgentsTaker& agents) {
     for (const auto& record : r.frames()) {
         agents.check();
@@ -213,7 +213,7 @@ std::uint64_t play(Recording& r, shm::Publisher& publisher, AgentsTaker& agents)
     return 0;
 }
 
-// Waits for the consumers and plays; as play(). Where people push, their refusal ends it, whichever stream tells of the end first.
+// Waits for the consumers and plays; as play(). Throws the refusal of agents that push, whichever stream ends first.
 std::uint64_t play_to(Recording& r, shm::Publisher& publisher, AgentsTaker& agents, int consumers) {
     try {
         if (consumers > 0) publisher.wait_for_consumers(consumers);

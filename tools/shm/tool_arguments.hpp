@@ -49,8 +49,8 @@ class ToolArguments {
 // Makes a wait end at a signal and warn on the console, which must live longer.
 void connect(shm::Waiting& waiting, Console& console);
 
-// The whole of main(): answers --help and --version, or fills the variables and runs `work`, whose result is the exit code;
-// an exception becomes a line on the console and its exit code.
+// Does all of main(): answers --help and --version, or fills the variables, runs `work` and returns its result as exit
+// code. Prints an exception as a line on the console and returns its exit code.
 int run_tool(ToolArguments& arguments, int argc, char** argv, const std::function<int(Console&)>& work);
 
 }  // namespace wade

@@ -50,8 +50,8 @@ int index_in(const std::string_view (&words)[n], std::string_view word, int othe
 // A database that is only read, open as long as a question takes: a run that ends meanwhile folds its file.
 class Database {
  public:
-    // SQLite opens the file by its name; a FIFO in its place is no database. A view or a trigger of a stranger's file may run for
-    // ever, so that the steps of a question are limited.
+    // SQLite opens the file by its name, so that a FIFO is excluded first. A view or a trigger of an untrusted file may
+    // run for ever: the steps of a question are limited.
     explicit Database(const std::filesystem::path& file) {
         if (!PlainFile(file).is_open()) return;
         if (sqlite3_open_v2(file.c_str(), &handle_, SQLITE_OPEN_READONLY, nullptr) != SQLITE_OK) return;
@@ -90,7 +90,7 @@ float column(sqlite3_stmt* row, int k) {
     return static_cast<float>(sqlite3_column_double(row, k));
 }
 
-// Bytes of a file from a place on, or what is there of them.
+// Returns bytes of a file from an offset on, fewer where the file ends.
 std::string part_of(const std::filesystem::path& path, std::uint64_t from, std::size_t bytes) {
     std::string part(bytes, '\0');
     part.resize(PlainFile(path).read(from, part.data(), bytes));

@@ -24,8 +24,8 @@ namespace wade::view {
 inline constexpr std::uint32_t most_particles = 200000;  // of a message; of more every n-th is sent
 inline constexpr double most_frames_per_s = 30;
 
-// The newest frame of a stream of a session. A thread of its own waits for frames, as long as somebody wants them; the producer
-// waits for nobody here.
+// Keeps the newest frame of a stream of a session. A thread of its own takes frames as long as clients want them; the
+// producer never waits for it.
 class LiveStream {
  public:
     LiveStream(std::string session, shm::StreamKind kind);
@@ -33,7 +33,7 @@ class LiveStream {
     LiveStream(const LiveStream&) = delete;
     LiveStream& operator=(const LiveStream&) = delete;
 
-    // The newest frame; null before there is one. Says that somebody wants frames for the next two seconds.
+    // Returns the newest frame; null before there is one. The thread takes frames for the next two seconds.
     [[nodiscard]] Message newest();
     // waiting, running, paused, stale (no frame for 3.2 s though the producer lives), ended (also if the producer has given up,
     // see problem()), killed (the producer has died).
@@ -85,7 +85,7 @@ class RecordedWater {
     double last_frame_ = 0;
 };
 
-// Words that messages of people give as their place in these lists.
+// Words that messages of people give as an index in these lists.
 inline constexpr std::string_view state_words[] = {
 #define WADE_PERSON_STATE(word, kind, end) #word,
 #define WADE_OUTCOME WADE_PERSON_STATE
@@ -137,9 +137,9 @@ class FrameTable {
     // The frame of the table at a time, the last that is not later. There must be one.
     [[nodiscard]] std::size_t at(double time_s) const;
     [[nodiscard]] const std::string& header() const { return header_; }
-    // The whole rows of a frame that are there by now.
+    // Returns the complete rows of a frame that are there by now.
     [[nodiscard]] std::string rows_of(std::size_t frame) const;
-    // The same by its number; empty where nobody has a row.
+    // Returns the same by the frame's number; empty if no person has a row.
     [[nodiscard]] std::string rows_of_number(std::size_t number) const;
     [[nodiscard]] const std::vector<StateChange>& changes() const { return changes_; }
 
@@ -173,7 +173,7 @@ class RunFolder {
     // Takes in what has come; true if there is more to take in at once. The run had written all up to `passed_s` before this call.
     bool read_on(double passed_s);
 
-    // Frames of people: of poses.csv, else of trajectories.sqlite, where everybody is upright. Frames without people count, too.
+    // Frames of people: of poses.csv, else of trajectories.sqlite, all upright. Frames without people count, too.
     [[nodiscard]] bool has_poses() const { return pose_rate() > 0; }
     [[nodiscard]] std::size_t people_frames() const;
     [[nodiscard]] double people_time(std::size_t frame) const;

@@ -185,7 +185,7 @@ void LiveStream::read_stream() {
     for (std::int64_t last = 0; !stop_;) {
         const double since = 1e-9 * static_cast<double>(now_ns() - last);
         if (since < 1 / most_frames_per_s) sleep_s(1 / most_frames_per_s - since);
-        if (!is_wanted() && came_at_ns_ != 0) {  // nobody looks: not even a copy
+        if (!is_wanted() && came_at_ns_ != 0) {  // no client looks: not even a copy
             if (!reader.producer_is_there()) return;
             sleep_s(0.05);
             continue;

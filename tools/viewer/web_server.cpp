@@ -514,7 +514,7 @@ void Server::accept() {
         if (error) return;
         Socket socket = acceptor.accept(error);
         if (!error) socket.non_blocking(true, error);
-        // Connections without a request give way to new ones.
+        // Closes a connection without a request to make room for new ones.
         if (!error && connections.size() >= 4 * most_clients)
             (*std::min_element(connections.begin(), connections.end(), [](const auto& a, const auto& b) {
                 return a->time_left() < b->time_left();

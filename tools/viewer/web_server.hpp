@@ -18,7 +18,7 @@
 
 namespace wade::view {
 
-// The binary messages; README.md has the same table for those who write another page.
+// The binary messages; README.md has the same table for authors of another page.
 //
 //   MessageHead, then `fields` arrays of `count` float32 each, one after another
 enum MessageKind : std::uint32_t {

@@ -46,7 +46,8 @@ static uint32_t fill_frame(const wade_slot* slot) {
     return count;
 }
 
-// One who pushes: the place, what it got, how deep it stands, the radius of the cone round it; along x and z.
+// An agent that pushes the water: position, m; impulse that it got, N s; its depth in the water, m; radius of the cone
+// around it, m.
 struct person {
     double x, z, jx, jz, submerged, spread;
 };
@@ -58,8 +59,8 @@ static double weight_at(const struct person* p, const wade_slot* slot, uint32_t 
     return w > 0 ? w : 0;
 }
 
-// v -= w J / S, S = sum of w m, so that the water loses J; what it really lost, rounded to float32, goes into the account, and
-// so does what it did not have.
+// Applies v -= w J / S with S = sum of w m, so that the water loses J. Adds the loss, after rounding to float32, to the
+// account; without a particle in the cone (S = 0) adds J there as missing.
 static void take_impulse(const struct person* p, const wade_slot* slot, uint32_t count, wade_diagnostics* account) {
     double sum = 0;
     for (uint32_t k = 0; k < count; ++k) sum += weight_at(p, slot, k) * (double)slot->mass[k];
@@ -79,7 +80,7 @@ static void take_impulse(const struct person* p, const wade_slot* slot, uint32_t
     }
 }
 
-// The agents that are due before a frame of the water push it. WADE_END: the crowd has left.
+// Applies the impulses of the agents that are due before a frame of the water. Returns WADE_END if the crowd has left.
 static int let_people_push(wade_subscriber* people, const wade_slot* slot, uint32_t count, wade_diagnostics* account) {
     wade_frame agents;
     wade_frame_impulses push;

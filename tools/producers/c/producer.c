@@ -205,7 +205,7 @@ static int64_t now_ns(void) {
     return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
 }
 
-// Tells the consumers that something has changed: counts the futex word up, then looks whether somebody sleeps.
+// Notifies the consumers of a change: increments the futex word, then wakes them if any consumer sleeps on it.
 static void ring(void) {
     segment->control.publish_sequence++;
     for (int i = 0; i < max_consumers; ++i) {
@@ -248,14 +248,14 @@ __attribute__((noreturn, format(printf, 2, 3))) static void fail(int code, const
     exit(code);
 }
 
-// F_OFD_SETLK: takes the exclusive lock of one byte, which the kernel drops when its owner dies, however it dies.
-// F_OFD_GETLK: looks whether nobody else holds it.
+// F_OFD_SETLK: takes the exclusive lock of one byte. The kernel drops it when its owner dies, for whatever reason.
+// F_OFD_GETLK: returns true if no other process holds it.
 static bool lock(int command, uint64_t byte) {
     struct flock range = {.l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = (off_t)byte, .l_len = 1};
     return fcntl(fd, command, &range) == 0 && (command == F_OFD_SETLK || range.l_type == F_UNLCK);
 }
 
-// Creates the object exclusively and takes its lock before its size; takes the place of one whose producer is dead.
+// Creates the object exclusively and locks it before it sets the size. Unlinks an older object if its producer is dead.
 static void create_segment(uint64_t bytes) {
     for (int round = 0; round < 100; ++round) {  // each lost round means that another process made progress
         if (fd >= 0) close(fd);
@@ -340,7 +340,7 @@ struct census {
     bool paused;       // one that is behind pauses on purpose
 };
 
-// Reads all consumer pages. Those that ask to join are admitted at frame admit_at (0: nobody is).
+// Reads all consumer pages. Admits consumers that ask to join at frame admit_at (0: none).
 static struct census survey(uint64_t admit_at, uint64_t owed) {
     struct census census = {.slowest = UINT64_MAX};
     for (int i = 0; i < max_consumers; ++i) {
@@ -349,8 +349,8 @@ static struct census survey(uint64_t admit_at, uint64_t owed) {
         const bool member = members[i].admitted != 0;
         const uint32_t mode = member ? members[i].mode : c->mode;
         const bool admit = state == joined && mode <= latest && !member && admit_at != 0;
-        // A goodbye counts once the lock is free: the state alone may have been written by anybody. A free-running reader
-        // is nobody's peer: nobody waits for it, and its end is a goodbye, whatever its reason.
+        // A goodbye counts once the lock is free, because any process may have written the state. The producer does not
+        // wait for a free-running reader, and the end of such a reader is a goodbye, whatever its reason.
         const bool goodbye = state == left || (state == gave_up && mode == latest);
         const bool gone = member && goodbye && lock(F_OFD_GETLK, 1 + (uint64_t)i);
         if (admit || gone) {
@@ -380,7 +380,7 @@ static struct census survey(uint64_t admit_at, uint64_t owed) {
     return census;
 }
 
-// A consumer whose lock is free has died, unless it said goodbye or had released all that it owed.
+// Fails if a consumer in lockstep has died: its lock is free, it said no goodbye and has not released frame `owed`.
 static void check_alive(uint64_t owed) {
     for (int i = 0; i < max_consumers; ++i) {
         struct consumer* const c = &segment->consumers[i];
@@ -425,7 +425,7 @@ static struct census wait_for_consumers(bool start, uint64_t admit_at, uint64_t 
         last += passed;
         segment->control.heartbeat_ns = (uint64_t)last;
         check_alive(start ? admit_at : owed);
-        // Time in which this process was stopped, or a consumer that is waited for pauses, does not count.
+        // Time does not count while this process is stopped or a consumer that it waits for pauses.
         if (!census.paused) spent_s += 1e-9 * (double)(passed > 4 * slice_ns ? slice_ns : passed);
         if (limit_s <= 0 || spent_s < limit_s) continue;
         if (start) fail(attach_timeout, "Waited %g s in vain for a consumer of session '%s'.", limit_s, session);

@@ -8,16 +8,16 @@
 //   beginFrame(publisher) -> { frame, mass, vx, vy, vz, px, py, pz } or null when the stream should end
 //   endFrame(publisher, count, final, account), close(publisher), abort(publisher, code, text), frameHash(publisher)
 //   joinPeople(session, { attachTimeoutS, stepTimeoutS }) -> people, coupling_lag in people.lag
-//   takePeople(people) -> { count, px, pz, jx, jz, submerged, spread }, the last four null if nobody pushes, or null when the
-//                         crowd has ended
+//   takePeople(people) -> { count, px, pz, jx, jz, submerged, spread }, the last four null if no agent pushes, or null
+//                         when the crowd has ended
 //   leavePeople(people)
 //   catchSignals(), receivedSignal()
 //
 // grid: { xMin, zMin, cellX, cellZ, nx, nz, depth, u, v, bed }, as wade_grid; the last four Float64Arrays, bed may be missing.
 // account: null, or [taken x, taken z, missing x, missing z] by people since the start, N s.
 // The arrays of a frame are Float32Arrays over the shared memory itself; close and abort detach them. Waits block the
-// event loop: a solver that also serves requests belongs in a worker thread. What fails throws an Error whose exitCode
-// is that of the contract.
+// event loop: a solver that also serves requests belongs in a worker thread. A failure throws an Error with the
+// exit code of the contract as exitCode.
 #define NAPI_VERSION 8
 #include <node_api.h>
 #include <signal.h>
@@ -157,7 +157,7 @@ static napi_value wait_for_consumers(napi_env env, napi_callback_info info) {
     return done(env, wade_publisher_wait_for_consumers(p->stream, count));
 }
 
-// The object of a slot that is seen for the first time: a Float32Array for each field, in place.
+// Creates the object of a slot at its first use: a Float32Array for each field, over the shared memory.
 static napi_value new_frame(napi_env env, const wade_slot* slot) {
     float* const arrays[field_count] = {slot->mass, slot->vx, slot->vy, slot->vz, slot->px, slot->py, slot->pz};
     napi_value frame, buffer, array;
@@ -337,7 +337,7 @@ static napi_value frame_hash(napi_env env, napi_callback_info info) {
     return result;
 }
 
-// The way back: the agents of the crowd.
+// Subscriber of the agents stream of the crowd.
 struct people {
     unsigned tag;
     wade_subscriber* stream;

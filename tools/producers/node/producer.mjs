@@ -1,5 +1,5 @@
 #!/usr/bin/env node
-// Plays the known stream of ../README.md from JavaScript, in place in the shared memory, through libwade_shm.so.
+// Plays the known stream of ../README.md from JavaScript, straight into the shared memory, through libwade_shm.so.
 // The addon is found in build/release or where WADE_NODE_ADDON says.
 import { createRequire } from "node:module";
 import { existsSync } from "node:fs";

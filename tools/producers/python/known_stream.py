@@ -48,7 +48,7 @@ def read_options(program, people=False):
 
 
 def run(program, produce, failure, options_of=read_options):
-    """The whole of a producer: its options, its frames, and the exit code of a failure, whose text it shows."""
+    """Runs a producer: reads its options, publishes its frames; on failure prints the text and exits with the code."""
     try:
         produce(options_of(program))
     except failure as error:
@@ -104,5 +104,5 @@ def fill(np, fields, start_x, z, speed, frame):
 
 
 def travelled(speed, frame):
-    """Way of the block up to a frame, m."""
+    """Returns the displacement of the block up to a frame, m."""
     return speed * frame / FRAME_RATE_HZ

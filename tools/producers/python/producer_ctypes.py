@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Plays the known stream of ../README.md through libwade_shm.so: the way for machines where plain Python will not do.
+"""Plays the known stream of ../README.md through libwade_shm.so, for machines where plain Python will not do.
 
-The library is found in build/release or where WADE_SHM_LIBRARY says. With numpy, in place in the shared memory.
+The library is found in build/release or where WADE_SHM_LIBRARY says. With numpy, straight into the shared memory.
 """
 
 import ctypes
@@ -120,7 +120,7 @@ def open_publisher(library, options, interrupted):
 
 
 class People:
-    """The way back, for --take-people: who pushes the water, and what it loses to them."""
+    """The agents stream, for --take-people: the agents that push the water, and the momentum that it loses to them."""
 
     def __init__(self, library, options, interrupted):
         self.library, self.subscriber, self.frame = library, ctypes.c_void_p(), Frame()

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Plays the known stream of ../README.md; with numpy, in place in the shared memory."""
+"""Plays the known stream of ../README.md; with numpy, straight into the shared memory."""
 
 
 import known_stream

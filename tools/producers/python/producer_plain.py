@@ -23,7 +23,7 @@ def field_sum(field, weights):
 
 
 def still_arrays(options):
-    """Arrays that are the same in every frame, by their place in a slot, and the x at the start."""
+    """Returns the arrays that are the same in every frame, by their index in a slot, and the x at the start."""
     s, places = known_stream, range(options.particles)
     arrays = {
         0: array("f", [s.MASS_KG]) * options.particles,

@@ -69,7 +69,7 @@ class Segment:
         self.create(total)
 
     def create(self, total):
-        """Sets fd: creates the object exclusively, lock before size; takes the place of one whose producer is dead."""
+        """Sets fd: creates the object exclusively, lock before size. Unlinks an older object of a dead producer."""
         for _ in range(100):  # each lost round means that another process made progress
             try:
                 self.fd = os.open(self.path, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC, 0o600)

@@ -5,7 +5,7 @@ shared_memory_segment.py, as it is.
 
 Python has no atomic operations. What replaces them here:
 
-* Words of 4 and 8 bytes are read and written through memoryview.cast("I") and cast("Q"), whose items CPython copies
+* Words of 4 and 8 bytes are read and written through memoryview.cast("I") and cast("Q"). CPython copies an item
   with one aligned move of the item's size; x86-64 and aarch64 do that in one piece. (struct.pack_into with "<Q" would
   store byte by byte: never for these words.)
 * No word is counted up by two sides. The producer alone writes publish_sequence, so load, add, store is enough.
@@ -70,7 +70,7 @@ class SharedMemoryStream:
     with SharedMemoryStream(session, capacity, "my solver") as stream:
         stream.wait_for_consumers()
         while there is more and (arrays := stream.begin_frame()) is not None:
-            fill the seven arrays (memoryviews of float32, in place: mass, vx, vy, vz, px, py, pz)
+            fill the seven arrays (memoryviews of float32 over the slot: mass, vx, vy, vz, px, py, pz)
             stream.end_frame(count)
         stream.close()
 
@@ -136,7 +136,7 @@ class SharedMemoryStream:
         self.u64[(CONTROL + 128) // 8] = time.monotonic_ns()
 
     def ring(self):
-        """Counts the futex word up and wakes all who sleep on it."""
+        """Increments the futex word and wakes all consumers that sleep on it."""
         self.kernel.fence()
         self.u32[CONTROL // 4] = (self.u32[CONTROL // 4] + 1) & 0xFFFFFFFF
         self.kernel.wake_all(self.publish_word)
@@ -163,8 +163,8 @@ class SharedMemoryStream:
             state, now = self.u32[page // 4], (self.u32[page // 4 + 1], self.u32[page // 4 + 22])
             mode, flags = self.joined_as[i] if self.admitted[i] else now
             admit = state == JOINED and mode <= LATEST and self.admitted[i] == 0 and admit_at != 0
-            # A goodbye counts once the lock is free: the state alone may have been written by anybody. A free-running
-            # reader is nobody's peer: its end is a goodbye, whatever its reason.
+            # A goodbye counts once the lock is free, because any process may have written the state. The end of a
+            # free-running reader is a goodbye, whatever its reason.
             goodbye = self.admitted[i] != 0 and (state == LEFT or (state == GAVE_UP and mode == LATEST))
             gone = goodbye and not self.segment.locked_by_other(1 + i)
             if admit or gone:
@@ -197,7 +197,7 @@ class SharedMemoryStream:
         return leaders, slowest, paused
 
     def check_alive(self, owed):
-        """A consumer whose lock is free has died, unless it said goodbye or had released all that it owed."""
+        """Raises if a consumer in lockstep has died: lock free, no goodbye, and frame `owed` not released."""
         for i in range(MAX_CONSUMERS):
             page = CONSUMERS + i * PAGE
             if self.admitted[i] == 0 or self.joined_as[i][0] != LOCKSTEP or self.segment.locked_by_other(1 + i):
@@ -233,7 +233,7 @@ class SharedMemoryStream:
             last += passed
             self.heartbeat()
             self.check_alive(admit_at if start else owed)
-            if not paused:  # nor does time count in which this process was stopped
+            if not paused:  # nor does time count while this process is stopped
                 spent_s += SLICE_S if passed > 4 * SLICE_S else passed
             if 0 < limit_s <= spent_s:
                 what = f"a consumer of session '{self.session}'" if start else f"the release of frame {owed}"

@@ -3,9 +3,9 @@
 Two files of the build folder are locked with flock. `.lock` belongs to the process that runs CMake or ninja. `.first`
 belongs to a run that waits for `.lock`. A build of the tests makes the programs of a run first, in a ninja call of its
 own. During the other calls it looks at `.first`: if a run waits, it ends ninja like Ctrl-C does, hands `.lock`
-over, and calls ninja again afterwards. ninja keeps all finished files, so that only the files under way are lost.
+over, and calls ninja again afterwards. ninja keeps all finished files, so that only the files in progress are lost.
 
-A run whose programs are up to date takes no lock: see building.steps_left and processes.start.
+A run takes no lock if its programs are up to date: see building.steps_left and processes.start.
 """
 
 import fcntl

@@ -86,7 +86,7 @@ def cached(name):
 
 
 def check_owner():
-    """A build folder that was named belongs to one source folder; another one's programs must not run in its place."""
+    """Checks that a named build folder belongs to this source folder: other programs must not run instead."""
     home = cached("CMAKE_HOME_DIRECTORY")
     if home and ROOT != Path(home).resolve():
         raise UsageError(f"{BUILD} is the build folder of {home}, not of {ROOT}; name another one in WADE_BUILD")

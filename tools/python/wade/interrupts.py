@@ -1,4 +1,4 @@
-"""Ends of commands by signals: SIGINT, SIGTERM and SIGHUP raise Ended, so that what is half made is removed on the way out."""
+"""Ends of commands by signals: SIGINT, SIGTERM and SIGHUP raise Ended, so that unfinished files are removed."""
 
 import signal
 
@@ -12,7 +12,7 @@ class Ended(KeyboardInterrupt):
 
 
 def raise_on_signals():
-    """Answers signals by Ended, but for those that are ignored (nohup) or have another answer."""
+    """Makes signals raise Ended, except signals that are ignored (nohup) or have another handler."""
 
     def end(number, _frame):
         for other in (signal.SIGTERM, signal.SIGHUP):  # the children have got them, too

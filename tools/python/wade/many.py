@@ -1,8 +1,8 @@
 """Runs a plan: each SCENE, with each seed and each combination of values, or the lines of PLAN, several at once.
 
-Runs whose scenes differ in the crowd alone share one water, where neither seed nor people change it. Writes DIR/runs/NNNNN/, a
-run folder for each, and DIR/runs.csv, and prints a table. A run that fails does not stop the others; what is complete is
-never done again. Ctrl-C ends all of them, and --resume goes on.
+Runs share one water if their scenes differ only in the crowd and neither seed nor people change the water. Writes
+DIR/runs/NNNNN/, a run folder for each, and DIR/runs.csv, and prints a table. A run that fails does not stop the others;
+what is complete is never done again. Ctrl-C ends all of them, and --resume goes on.
 """
 
 import argparse
@@ -224,7 +224,7 @@ def shown(value, is_setting=False):
 
 
 def say_all(rows, pointers):
-    """The table on the terminal: a line a run, or of many runs a line a scene and settings; then who failed."""
+    """Prints the table: a line per run, or for many runs a line per scene and settings; then the failed runs."""
     rows = [{**row, "scene": short(row["scene"])} for row in rows]
     of_site = said_of_sites(rows)
     if len(rows) <= MOST_ROWS:

@@ -22,7 +22,7 @@ def home_folder():
     home = Path(os.path.expanduser("~"))  # stays "~" for a user that the system does not know
     if home.is_absolute() and os.access(home, os.W_OK):
         return home
-    import tempfile  # only for who needs it, as it takes its time
+    import tempfile  # only where it is needed, as the import takes its time
 
     folder = Path(tempfile.gettempdir()) / f"wade-{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)

@@ -21,7 +21,7 @@ def resolved_scene(manifest):
 
 
 def short_names():
-    """All scenes of the project, {short name: file}: the way from configs/ without .json, for example "river/s05"."""
+    """All scenes of the project, {short name: file}: the path from configs/ without .json, for example "river/s05"."""
     files = sorted(file for file in CONFIGS.rglob("*.json") if file.parent != CONFIGS)
     return {file.relative_to(CONFIGS).with_suffix("").as_posix(): file for file in files}
 
@@ -48,7 +48,7 @@ def find_scene(name):
 
 
 def suggestion(wanted, scenes):
-    """The scenes whose names come nearest, in words; empty if none does."""
+    """Returns the scenes with the nearest names, in words; empty if no name is near."""
     import difflib  # only where something is wrong, as it takes its time
 
     wanted = wanted.removeprefix("configs/")

@@ -1,6 +1,6 @@
 """Makes a site that scenes can use of any terrain, houses and roads that GDAL reads.
 
-IN are rasters of heights, of which the later ones lie over the earlier ones, and files with polygons of houses. Writes into
+IN are rasters of heights, later ones over earlier ones, and files with polygons of houses. Writes into
 DIR:
 
   ground.tif       heights in metres, square cells, north up, one projected system in metres

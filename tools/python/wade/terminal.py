@@ -36,7 +36,7 @@ class Stream:
 
     def write(self, text):
         STATE.last = time.monotonic()
-        if STATE.is_shown and not text.startswith("\r"):  # the line of progress gives way
+        if STATE.is_shown and not text.startswith("\r"):  # clears the line of progress
             STATE.is_shown, text = False, "\r\x1b[K" + text
         return self.stream.write(as_installed(text) if INSTALLED else text)
 
@@ -91,7 +91,7 @@ def _formatter(prog):
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser whose help and errors keep to 100 columns."""
+    """An argument parser with help and errors of at most 100 columns."""
 
     def __init__(self, subcommand, description, epilog=None, **others):
         super().__init__(prog=f"tools/wade {subcommand}", description=paragraphs(description), epilog=paragraphs(epilog),

@@ -1,8 +1,8 @@
-// The frames of people and water that have come, and the questions for those that a time still needs. The page shows a time only
-// with people and water of that time, so that a slow server makes pictures rarer, never wrong.
+// Keeps the received frames of people and water, and asks for the frames that a time still needs. The page shows a time
+// only with people and water of that time, so that a slow server makes pictures rarer, never wrong.
 
 const PEOPLE_BYTES = 96e6, WATER_BYTES = 256e6; // of frames that are kept
-const SLOTS = { people: 8, water: 3, depths: 3 }; // questions on their way at once
+const SLOTS = { people: 8, water: 3, depths: 3 }; // open questions at once
 const PATIENCE_MS = 5000; // until a question without an answer is asked again
 const PICTURES_PER_S = 25; // of a replay: the frames that are asked for ahead of the clock
 export const TWEEN_S = 1; // snapshots of water no further apart are interpolated
@@ -110,7 +110,7 @@ export class Buffer {
     return Math.min(Math.max(0, Math.floor(t * rate + 1e-4)), frames - 1);
   }
 
-  /** People of a time: two frames and how far between them it is; or null. After the last frame no people are on their way. */
+  /** Returns people at a time: two frames and the fraction between them, or null. No people after the last frame. */
   peopleAt(t) {
     const people = this.status?.people;
     if (!people?.frames) return { none: true };

@@ -202,7 +202,7 @@ export function makeGround(scene) {
   world.userData.stars = [];
   for (const g of goalsOf(scene)) {
     const periodic = scene.world.ends === 'periodic' && (g.x < 0 || g.x > length);
-    if (periodic) continue; // a direction rather than a place
+    if (periodic) continue; // a direction rather than a position
     const one = several && g.groups.length === 1 ? new THREE.Color(GROUP_COLOURS[g.groups[0] % GROUP_COLOURS.length]) : new THREE.Color(STAR);
     const mark = goal(g.x, g.z, scene.crowd.goal_radius_m ?? 1, one);
     world.userData.stars.push(mark.userData.star);

@@ -1,5 +1,5 @@
-// What is said and asked about the run: symbols of states and outcomes, traces of the paths, the ring round who is looked at, and the panels:
-// counts and state of the run, legend, time line, the numbers of a person and their course.
+// What the page shows about the run: symbols of states and outcomes, traces of the paths, the ring round the selected
+// person, and the panels: counts and state of the run, legend, time line, the numbers of a person and their course.
 
 import * as THREE from 'three';
 import { UNKNOWN, UNTOLD } from './people.js';
@@ -13,7 +13,7 @@ export const SYMBOLS = {
   indoors: ['house', '#bbbbbb'], upper_floor: ['house', '#56b4e9'],
   [UNKNOWN]: ['question', '#ffffff'],
 };
-export const LYING = ['waves', '#0072b2']; // of who walks by his state and lies by his posture: tumbled by the water
+export const LYING = ['waves', '#0072b2']; // of a person with state walking and posture lying: tumbled by the water
 const CELL = 64, ATLAS = 5; // pixels of a symbol, symbols of a row of the texture
 const HARMLESS = ['walking', 'standing', 'arrived', 'sheltered', 'indoors', 'upper_floor']; // below the others where symbols overlap
 
@@ -242,7 +242,7 @@ export function showLegend(legend, mode, hasVelocity) {
   }));
 }
 
-/** Marks on the time line: who arrived, fell, was carried or died, and each change of tau. */
+/** Draws marks on the time line: people that arrived, fell, drifted or died, and each change of tau. */
 export function showEvents(changes, taus, end) {
   const marks = new Map();
   for (const [time, , state] of changes) {
@@ -290,7 +290,7 @@ const COURSES = [
   ['S', '', '#cc79a7', [8, 2, 2, 2], (r) => r.slip], ['T', '', '#e69f00', [1, 3], (r) => r.topple],
 ];
 
-/** How a person's terms went over the run, each on its own scale, whose top the legend tells; a line at the time that is shown. */
+/** Draws the terms of a person over the run, each on a scale up to the value in the legend; a line marks the time. */
 function courseChart(rows_of, time) {
   const canvas = document.createElement('canvas'), c = canvas.getContext('2d'), wide = 440, high = 130;
   Object.assign(canvas, { width: wide, height: high, className: 'course' });

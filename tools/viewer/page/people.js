@@ -155,7 +155,7 @@ const ANGLES = 13;
 const ARM = { shoulder: 0.282, side: 0.108, length: 0.385 }; // above the hip, beside the middle, down to the palm; of the height
 const WILD = { effort: [0.75, 0.75, 0.22], sliding: [1.25, 1.15, -0.12] }; // arms out, trunk
 
-/** Who holds whom, both ways, from the one that each row names: places in the frame, by place. */
+/** Returns links between people, both directions, as indices in the frame by index; a row names one held person. */
 function linksOf(frame) {
   const places = new Map(), links = new Map();
   for (let k = 0; k < frame.count; ++k) places.set(frame.arrays[0][k], k);
@@ -167,7 +167,7 @@ function linksOf(frame) {
   return links;
 }
 
-/** Swing and spread of an arm whose palm is to be where that of somebody is, who stands `ahead` and `beside` (to this arm's side), m. */
+/** Swing and spread of an arm that meets the palm of a person `ahead` and `beside` (to this arm's side), m, halfway. */
 function reach(ahead, beside, height) {
   const length = ARM.length * height, x = ahead / 2, z = beside / 2 - ARM.side * height;
   const far = Math.hypot(x, z), shorter = far > 0.98 * length ? (0.98 * length) / far : 1; // the two are too far apart
@@ -182,7 +182,7 @@ export class People {
     this.groundAt = groundAt; // of x, z, m
     this.parent = parent;
     this.heights = heights; // of id, m
-    this.groups = groups; // of id, place in the scene's list
+    this.groups = groups; // of id, index in the scene's list
     this.memory = new Map(); // of id: angles, spin, walked
     this.capacity = 0;
     this.count = 0;
@@ -267,7 +267,7 @@ export class People {
     const x = value(1) + plant * (lean > 1e-4 ? (lx / lean) * Math.sin(lean) * hip : 0);
     const z = -value(2) + plant * (lean > 1e-4 ? (lz / lean) * Math.sin(lean) * hip : 0);
     const y = this.groundAt(value(1), value(2)) + hip * (plant ? Math.cos(lean) : 1) - drop + (afloat ? 0.035 * Math.sin(2.2 * now.clock + 1.7 * id) : 0);
-    // Who lies turns onto the back or the front, which the file leaves open: by id, two of three on the back.
+    // A lying person turns onto the back or the front. The file leaves this open: by id, two of three lie on the back.
     m.lies = (posture === 'lying' ? 1 : 0) + ((m.lies ?? (posture === 'lying' ? 1 : 0)) - (posture === 'lying' ? 1 : 0)) * now.keep;
     const along = lean > 0.05 ? Math.atan2(-lz, lx) + (id % 3 ? Math.PI : 0) : value(5);
     const turn = Math.atan2(Math.sin(along - value(5)), Math.cos(along - value(5))) * m.lies;

@@ -1,5 +1,5 @@
-// The run as the page knows it, and what it says of a time: who is where in which state, how the run itself stands. Last the stream of
-// messages.
+// The run as the page knows it: positions and states of people at a time, the state of the run itself, and the stream
+// of messages.
 
 import { Buffer } from './buffer.js';
 import { $, rowOf, showEvents, showPerson, showState } from './panel.js';
@@ -78,7 +78,7 @@ export function endedBy(time) {
   return list;
 }
 
-/** All people at the time that is shown, one row each: those on their way, those that have ended, those still indoors. */
+/** Returns a row per person at the time shown: people in the frame, people that have ended, people still indoors. */
 export function tableOf() {
   const since = new Map(), rows = new Map(), groups = show.scene?.crowd.groups ?? [];
   for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6) since.set(id, { time, state });
@@ -94,13 +94,13 @@ export function countStates() {
   const counts = {}, seen = new Set(), all = show.scene?.crowd.groups.reduce((n, g) => n + g.count, 0) ?? show.people.shown.length;
   const add = (state) => (counts[state] = (counts[state] ?? 0) + 1);
   for (const p of show.people.shown) seen.add(p.id), add(stateShown(p));
-  // Who has ended is in one more frame; from then on the file says no more of it.
+  // A person that has ended is in one more frame; later frames of the file lack it.
   const ended = new Map();
   for (const [time, id, state] of show.changes) if (time <= show.time + 1e-6 && hasEnd(state)) ended.set(id, state);
   for (const end of endedBy(show.time)) ended.set(end.id, end.state);
   for (const [id, state] of ended) if (!seen.has(id)) add(state);
   const rest_of_all = all - Object.values(counts).reduce((a, b) => a + b, 0);
-  if (show.ground && rest_of_all > 0) counts.indoors = (counts.indoors ?? 0) + rest_of_all; // not yet on their way
+  if (show.ground && rest_of_all > 0) counts.indoors = (counts.indoors ?? 0) + rest_of_all; // have not left yet
   counts.total = all;
   const { total, ...rest } = counts;
   show.counts = rest;
@@ -153,7 +153,7 @@ export function advance(wall) {
 // stays so until it is shown, as newer ones come all the time.
 function advanceLive() {
   const people = show.status.people;
-  if (people && !people.frames && (show.scene?.crowd.poses.rate_hz ?? 1) > 0) return; // the first frame is on its way
+  if (people && !people.frames && (show.scene?.crowd.poses.rate_hz ?? 1) > 0) return; // no frame has come yet
   show.pending ??= buffer.newestLive();
   if (!show.pending || !buffer.peopleAt(show.pending.time)) return;
   show.time = show.pending.time;

@@ -77,7 +77,7 @@ const inside = ([x, z], ring) => ring.reduce((is, a, k) => {
   return a[1] > z !== b[1] > z && x < a[0] + ((b[0] - a[0]) * (z - a[1])) / (b[1] - a[1]) ? !is : is;
 }, false);
 
-/** Outlines with their holes, of rings of which each is a hole that lies within an odd number of others. */
+/** Returns outlines with their holes. A ring is a hole if it lies within an odd number of other rings. */
 function shapesOf(rings) {
   const around = rings.map((ring) => rings.filter((other) => other !== ring && inside(ring[0], other)));
   return rings.flatMap((ring, k) => {
@@ -165,7 +165,7 @@ function wallAlong(points, ground, above, level, material) {
 
 const middle = (points) => [0, 1].map((k) => points.reduce((sum, p) => sum + p[k], 0) / points.length);
 
-// Where a place, metres high, is seen from near, its label takes no more than a twentieth of the picture.
+// Makes a label, `high` in metres. Seen from near it takes no more than a twentieth of the picture.
 function label(text, [x, z], ground, high, colour) {
   const sprite = textSprite(text, colour, high);
   sprite.position.copy(place(x, ground.at(x, z) + 2.2 * high, z));

@@ -497,7 +497,7 @@ on('tau-set', 'click', () => {
 on('run-pause', 'click', () => stream.command(show.status?.live?.state === 'paused' ? 'resume' : 'pause'));
 on('run-step', 'click', () => stream.command('step'));
 
-/** For tests and for who drives the page from a script. */
+/** For tests and for scripts that drive the page. */
 window.wade = {
   show, project, select, look, camera: () => camera, eye: () => free.position.toArray(), theme, setPlaying, stream: () => stream,
   seek: (time) => (seek(time), (awake = 6)),

@@ -4,7 +4,7 @@ import * as THREE from 'three';
 import { hasFall } from './ground.js';
 import { Grid } from './site.js';
 
-// Cividis and a blue scale: both rise in lightness all the way, for the colour-blind and for print.
+// Cividis and a blue scale: both rise in lightness throughout, for the colour-blind and for print.
 const SCALES = {
   depth: ['#e4f2fb', '#b3d6ec', '#74b0d8', '#3f86bf', '#1f5f9e', '#123f7a', '#0a2650'],
   speed: ['#00224e', '#35456c', '#666970', '#948e77', '#c8b866', '#fee838', '#fff6b8'],
@@ -115,7 +115,7 @@ const POINT_FRAGMENT = `
   }`;
 
 export class Water {
-  /** ground: of a site, else null; gates: with their lines and the times at which they open, s; null of flood walls. */
+  /** ground: of a site, else null; gates: with lines and opening times, s; null for flood walls. */
   constructor(parent, scene, bounds, ground, gates = []) {
     this.scene = scene;
     this.ground = ground;
@@ -261,7 +261,7 @@ export class Water {
     this.refresh();
   }
 
-  /** Depths of a snapshot, or those `share` of the way to the next one; there are no particles then. */
+  /** Takes the depths of a snapshot, interpolated by `share` to the next one; there are no particles then. */
   takeDepths(first, next, share) {
     this.message = null;
     this.hasVelocity = false;

@@ -60,7 +60,7 @@ class Bench:
 
 
 class Run:
-    """A running producer and those who have joined it."""
+    """A running producer and the participants that have joined it."""
 
     def __init__(self, bench, session, extra=(), before=()):
         self.bench, self.session = bench, session
@@ -209,7 +209,7 @@ def holding(bench, frames):
 def follow(consumers, frames=FRAMES, between=None):
     """Takes frames with several consumers, each at its own pace, until the stream ends or each has had `frames`.
 
-    All stop at the same frame, so that nobody holds up the others. between(consumer, frame): called while a frame is
+    All stop at the same frame, so that none holds up the others. between(consumer, frame): called while a frame is
     held. Returns for each consumer {frame number: digest}.
     """
     seen = [{} for _ in consumers]

@@ -19,7 +19,7 @@ def together(run, count):
 
 
 def expect_all_admitted(consumers):
-    """Goes on with those who are admitted until all are."""
+    """Takes frames with the admitted consumers until all are admitted."""
     waiting = list(consumers)
     while waiting:
         consumers[0].wait(lambda: any(c.available() for c in consumers) or all(c.admitted() for c in waiting),
@@ -110,7 +110,7 @@ def sixteen_consumers(bench):
 
 
 def late_joiner(bench):
-    """Who joins later is admitted at the beginning of a frame and gets every frame from there on."""
+    """A consumer that joins later is admitted at the beginning of a frame and gets every frame from there on."""
     run = bench.start()
     first = run.join("early")
     follow([first], 5)
@@ -151,7 +151,7 @@ def leaver(bench):
 
 
 def hasty_leaver(bench):
-    """A consumer that leaves as soon as it has joined disturbs nobody, and its page can be taken again."""
+    """A consumer that leaves as soon as it has joined disturbs no other, and its page can be taken again."""
     run = bench.start()
     consumer = run.join()
     follow([consumer], 3)
@@ -168,7 +168,7 @@ def hasty_leaver(bench):
 
 
 def latest(bench):
-    """A reader in mode latest gets only whole frames and holds nobody up."""
+    """A reader in mode latest gets only whole frames and holds up no other participant."""
     run = bench.start()
     consumer = run.join()
     consumer.take()
@@ -211,7 +211,7 @@ def expect_whole(copy, hashed):
 
 
 def latest_dies(bench):
-    """A reader in mode latest that is killed or leaves disturbs nobody."""
+    """A reader in mode latest that is killed or leaves disturbs no other participant."""
     run = bench.start()
     consumer = run.join()
     consumer.take()
@@ -248,7 +248,7 @@ def follower(bench):
     recorder.take()
     expect_waited_for(recorder, [consumer], held - 1 + recorder.header.depth)
     consumer.leave()
-    last = recorder.published() + 2  # one may be under way, another begun
+    last = recorder.published() + 2  # one may be in progress, another begun
     while not recorder.at_end():
         recorder.wait(lambda: recorder.available() or recorder.at_end(),
                       "the producer drains when only followers remain")

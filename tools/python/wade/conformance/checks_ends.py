@@ -122,7 +122,7 @@ def false_acknowledgement(bench):
 
 
 def overwritten_words(bench):
-    """A consumer whose mode, flags or state was overwritten ends the producer with exit code 6."""
+    """The producer ends with exit code 6 if the mode, flags or state of a consumer was overwritten."""
     for name, offset, value in (
         ("mode", ConsumerPage.MODE, LATEST), ("flags", ConsumerPage.FLAGS, FOLLOWS),
         ("state", ConsumerPage.STATE, FREE),
@@ -139,7 +139,7 @@ def overwritten_words(bench):
 
 
 def false_goodbye(bench):
-    """A goodbye counts once the lock is free: a state alone may have been written by somebody else."""
+    """A goodbye counts once the lock is free: another process may have written the state alone."""
     run, consumer = holding(bench, 2)
     demand_checked(consumer)
     consumer.page.set_u32(ConsumerPage.STATE, LEFT)

@@ -194,7 +194,7 @@ def depth(bench):
 
 
 def write_mark(bench):
-    """A slot changes only while its sequence is odd, so that who copies it and looks again knows a torn copy."""
+    """A slot changes only while its sequence is odd, so that a reader detects a torn copy by a second look."""
     run = bench.start()
     consumer = run.join()
     with system.apart_from(run.pid()):

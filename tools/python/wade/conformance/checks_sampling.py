@@ -76,7 +76,7 @@ class Water:
             self.bins[math.floor(x[k] / self.cell), math.floor(z[k] / self.cell)].append(k)
 
     def interior(self):
-        """Returns the bounds along x and z of positions whose cone lies in the box of the water, half a cell from its edge."""
+        """Returns the bounds along x and z of positions with a cone in the water's box, half a cell from its edge."""
         return [(min(axis) + self.radius, max(axis) - self.radius) for axis in (self.x, self.z)]
 
     def near(self, x, z):
@@ -135,7 +135,7 @@ NODES = (0.339981043584856, 0.652145154862546), (0.861136311594053, 0.3478548451
 def mean_of_cone(x, z, width_x, width_z):
     """Returns the mean of the cone of radius 1 over a rectangle round (x, z): exact along x, by quadrature across.
 
-    The quadrature runs over t, z = sin(t), between the kinks: the axis, the rim, and the lines at which the sides of the
+    The quadrature runs over t, z = sin(t), between the kinks: the axis, the rim, and the lines where the sides of the
     rectangle leave the disc.
     """
     if math.hypot(max(abs(x) - width_x / 2, 0), max(abs(z) - width_z / 2, 0)) >= 1:
@@ -198,7 +198,7 @@ def blocks_of(water):
 
 
 def sampling(bench):
-    """People sample the same depth wherever they stand between the positions at which the water is published."""
+    """People sample the same depth wherever they stand between the published positions of the water."""
     consumer = bench.start().join()
     if consumer.kind != KINDS["fluid"]:
         raise NotApplicable("people sample no stream of agents")

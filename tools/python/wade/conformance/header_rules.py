@@ -8,7 +8,7 @@ from wade.conformance.layout import (ENDIAN_TAG, FIELDS, FIELD_ENTRY, HEADER_WOR
 
 
 def read_header(page, file_bytes, kind):
-    """A checked copy of a header page whose magic is stored; kind: the stream kind of the object's name."""
+    """Returns a checked copy of a header page with its magic stored; kind: the stream kind of the object's name."""
     header = Header(page)
     identify(header, kind)
     check_values(header)

@@ -1,4 +1,4 @@
-"""Engines: ways to hand out indices. What is done under an index, and whether it is complete, no engine knows."""
+"""Engines hand out indices. An engine does not know what is done under an index, or whether it is complete."""
 
 import os
 import select
@@ -64,7 +64,7 @@ def fork_worker(unit):
 
 
 def ended_of(running, seconds):
-    """The numbers of those worker processes that have ended; waits for one, at most so long."""
+    """Returns the process ids of the workers that have ended; waits for one, at most `seconds`."""
     watched = {os.pidfd_open(pid): pid for pid in running}
     try:
         poll = select.poll()
@@ -139,7 +139,7 @@ def parallel(ensemble, indices, options, signals, _tell):
 
 
 def mpirun(ensemble, indices, options, signals, _tell):
-    """Ranks, each of which takes its share of the list."""
+    """Starts ranks; each takes its part of the list."""
     needs("mpirun", "openmpi-bin")
     ranks = min(options.jobs, len(indices))
     # Ranks get time to end well before they are killed; mpirun waits for all of it.

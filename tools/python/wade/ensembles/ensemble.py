@@ -1,4 +1,4 @@
-"""An ensemble: a plan, its folder, what all of its runs have in common, and the units in which they are done."""
+"""An ensemble: a plan, its folder, what all of its runs have in common, and their units of work."""
 
 import contextlib
 import fcntl
@@ -64,7 +64,7 @@ class Ensemble:
         self.inputs = inputs_of([resolved for resolved, _ in self.scenes.values() if resolved])
 
     def planned(self):
-        """The plan, and the folder at which paths in it start."""
+        """Returns the plan, and the folder that relative paths in it start from."""
         names = self.options.scenes
         if not names:
             return read_plan(self.folder.plan), self.folder.path
@@ -128,7 +128,7 @@ class Ensemble:
         return expected is not None and is_complete(self.folder.run(run.index), expected, run.seed)
 
     def due(self, failed_too):
-        """Runs that are not complete; of those that failed only accidents, unless all are wanted."""
+        """Returns the runs that are not complete. Failed runs count only after an accident, unless failed_too."""
         runs = [run for run in self.plan if self.fingerprint_of(run) and not self.is_complete(run)]
         if failed_too:
             return runs

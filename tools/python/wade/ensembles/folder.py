@@ -67,7 +67,7 @@ class EnsembleFolder:
 
 
 def status_of(folder, expected, seed):
-    """`not_run`, `stale`, or what outcome.json says of a run, in which `completed` means that all of it is there.
+    """Returns `not_run`, `stale`, `failed` or the status in outcome.json; `completed` means that all files are there.
 
     expected: the fingerprint of its scene.
     """
@@ -118,7 +118,7 @@ def is_complete(folder, expected, seed):
 
 
 def publish(made, place, expected, seed):
-    """Puts a run that was made elsewhere where it belongs, by a rename; what is complete there stays."""
+    """Moves a run that was made elsewhere into its folder by a rename; a complete run there stays."""
     aside = made.with_name(f"{made.name}.old")
     for _ in range(3):
         if is_complete(place, expected, seed):
@@ -154,13 +154,13 @@ def host_name():
 
 
 def worker_name(ensemble, index):
-    """Of what a worker has for itself, its folder and its session: who it is, and which job of which engine."""
+    """Returns the name of a worker's own folder and session: ensemble, index, job of the engine, host and process."""
     job = os.environ.get("SLURM_JOB_ID") or os.environ.get("PARALLEL_PID") or "0"
     return f"wade-many-{ensemble}-{name_of(index)}-{job}-{os.urandom(3).hex()}-{host_name()}-{os.getpid()}"
 
 
 def is_left_over(name):
-    """Whether the worker of this name is gone from this machine; of those of other machines nobody here knows."""
+    """Returns true if the worker of this name ran on this machine and is gone; false for other machines."""
     match = re.fullmatch(r"wade-many-[0-9a-f]+-\d+-\d+-[0-9a-f]+-([A-Za-z0-9.]+)-(\d+)", name)
     return bool(match) and match[1] == host_name() and not alive(match[2])
 

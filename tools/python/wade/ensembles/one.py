@@ -118,7 +118,7 @@ def draw(unit, folder):
 
 
 def hand_in(unit, run, folder, logs, codes):
-    """Puts what a run has left into its place, with the reason where it failed."""
+    """Moves the results of a run into its folder, with the reason if it failed."""
     status = status_of(folder, run["fingerprint"], run["seed"]) if folder.is_dir() else "failed"
     if status == "completed":
         draw(unit, folder)
@@ -222,7 +222,7 @@ def own_share(lines, text):
 
 
 def indices_of(words):
-    """The indices of a command line, and whether they are a rank's, whose end would end the others."""
+    """Returns the indices of a command line, and whether they are an MPI rank's: its end would end the other ranks."""
     if words and "--of" not in words:
         indices, mpi = " ".join(words).split(), False
     elif len(words) == 4 and words[0] == "--of" and words[2] == "--share":

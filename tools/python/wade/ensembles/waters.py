@@ -1,4 +1,7 @@
-"""Which runs of a plan share a water: those whose scenes differ in the crowd alone, where no seed and no person changes it."""
+"""Groups the runs of a plan that share a water.
+
+Their scenes differ only in the crowd, and neither seed nor people change the water.
+"""
 
 import json
 import signal
@@ -10,8 +13,8 @@ from wade.paths import BUILD
 
 # Keys of a scene that are the crowd's: crowd_client/session/crowd_list.cpp.
 OWN_OF_CROWD = ("/seed", "/name", "/description", "/events", "/crowd", "/coupling")
-# Models whose water is the same for each seed. The others draw where their particles lie, or waves, from it; `auto` may
-# choose one of them, and chooses by where people walk.
+# Models with the same water for each seed. The others draw particle positions or waves from the seed; `auto` may choose
+# one of them, and its choice depends on where people walk.
 SEEDLESS = ("dfsph",)
 # Models that publish what the response of the crowd integrates over: columns without a seed for `measured`, drifting particles else.
 FOR_RESPONSE = ("shallow_water", "mixed")
@@ -56,9 +59,9 @@ def resolve_all(plan, files, options):
 
 
 def units_of(plan, scenes, most, own_water):
-    """Lists of runs that are done together: those that share a water, at most so many, in the order of their first ones.
+    """Returns lists of runs that are done together: they share a water, at most `most`, in order of first runs.
 
-    scenes: as resolve_all gives them; runs whose scene is refused are in none.
+    scenes: as resolve_all gives them; a run with a refused scene is in no list.
     """
     units, open_units = [], {}
     for run in plan:

@@ -41,9 +41,9 @@ def multiplied(p, q):
 
 
 def turns(people):
-    """How each person is turned, quaternions x, y, z, w in axes x, y up, -z: by its heading, then by its lean.
+    """Returns rotations of people, quaternions x, y, z, w in axes x, y up, -z: by the heading, then by the lean.
 
-    Who is dead lies, downstream of its feet, where the run says nothing of leans (no poses.csv).
+    A dead person lies downstream of its feet if the run holds no leans (no poses.csv).
     """
     lean_x, lean_z, half = people["lean_x"].astype(float), people["lean_z"], people["heading"].astype(float) / 2
     lean_x = np.where((lean_x == 0) & (lean_z == 0) & np.isin(people["state"], LYING), -np.pi / 2, lean_x)
@@ -56,12 +56,12 @@ def turns(people):
 
 
 def step_length(height, speed):
-    """Of who walks, m: Inman et al. (1981), as in poses.csv."""
+    """Returns the step length of a walking person, m: Inman et al. (1981), as in poses.csv."""
     return np.sqrt(0.24 * height * speed)
 
 
 class Gait:
-    """Keys of the legs' swing, rad: the left leg ahead or behind at each step's end, none while somebody stands."""
+    """Keys of the legs' swing, rad: the left leg ahead or behind at each step's end, 0 while the person stands."""
 
     def __init__(self):
         self.phase, self.time_s = np.empty(0), None
@@ -253,7 +253,7 @@ def skeleton_texts():
 
 
 class Skeletons:
-    """figures.usda: a SkelRoot a person, moved as a whole, with a Skeleton whose legs and arms swing, and a skinned Mesh."""
+    """figures.usda: a SkelRoot per person, moved as a whole, with a Skeleton of swinging limbs and a skinned Mesh."""
 
     def __init__(self, folder):
         self.folder, self.gait, self.rows, self.heights = folder, Gait(), Spool(folder / ".figures.part", 8), {}

@@ -51,7 +51,7 @@ def unpacked(payload, size):
 
 
 def unshuffled(data, values, kind):
-    """Values whose bytes lie apart: first all lowest ones, then all second ones and so on."""
+    """Returns values from bytes that are stored apart: first all lowest bytes, then all second ones and so on."""
     return np.ascontiguousarray(data.reshape(-1, values).T).view(kind)[:, 0]
 
 
@@ -136,7 +136,7 @@ class Recording:
         return dict(zip(self.fields, arrays))
 
     def unrounded(self, data, count):
-        """The fields of a quantised payload: mass as float32, velocities as int16, places as uint16."""
+        """The fields of a quantised payload: mass as float32, velocities as int16, positions as uint16."""
         arrays = [unshuffled(data[: 4 * count], count, "<f4")]
         for part in np.split(data[4 * count : 10 * count], 3):
             arrays.append(unshuffled(part, count, "<i2").astype("f4") * np.float32(self.velocity_step))

@@ -46,7 +46,7 @@ class Points:
 
 
 class Thinning:
-    """Which frames and places are exported."""
+    """Selects the frames and the region that are exported."""
 
     def __init__(self, every=1, interval_s=0.0, from_s=0.0, until_s=np.inf, region=None):
         self.every, self.interval_s, self.from_s, self.until_s, self.region = every, interval_s, from_s, until_s, region
@@ -94,7 +94,7 @@ class Stream:
 
 
 class _Frame:
-    """A frame whose points are read only if they are wanted."""
+    """A frame that reads its points only on demand."""
 
     def __init__(self, time_s, points):
         self.time_s, self.points = time_s, points
@@ -232,9 +232,9 @@ class People:
             yield _Frame(time_s, lambda n=number, t=time_s, i=ids, v=speeds: self.points(n, t, i, v, last))
 
     def speeds(self, rows, before, passed):
-        """Velocities since the row before, m/s; 0 of whom there is none."""
+        """Returns velocities since the row before, m/s; 0 for people without such a row."""
         way = rows[:, 1:3] - before[:, 1:3]
-        if self.period:  # who made a longer step than half the world has gone round
+        if self.period:  # a step longer than half the world has crossed the periodic boundary
             way[:, 0] -= self.period * np.round(way[:, 0] / self.period)
         return np.nan_to_num(way / passed[:, None])
 

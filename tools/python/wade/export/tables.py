@@ -16,7 +16,7 @@ MEANING = {"id": "i4", "state": "i4"}  # types of what is not float32
 
 
 def others(points):
-    """Names of all but places and velocities, in the order in which they are written."""
+    """Returns the names of all fields but positions and velocities, in the order of writing."""
     order = ("id", "state", "height", "heading", "lean_x", "lean_y", "lean_z", "mass")
     return [name for name in order if name in points.arrays]
 

@@ -20,7 +20,7 @@ NOT_THERE = ("demolished", "razed", "removed", "proposed", "planned")
 # Two outlines of one house, from two surveys, differ by a wall or a shift of some 0.3 m: 6 % of 10 m [A].
 SAME = 0.9
 MAX_OUTSIDE = 1000  # m, what the programs allow between a corner and the ground
-GRID = 128  # points on each side of the rectangle in which outlines are compared: an error of about 1/64 of its area
+GRID = 128  # points on each side of the rectangle for comparing outlines: an error of about 1/64 of its area
 
 
 def tags_of(properties):

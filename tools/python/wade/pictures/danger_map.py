@@ -77,7 +77,7 @@ def legend_handles(wet, cells, agents, scene):
 
 
 def met_text(agents):
-    """How those who ended one way met the levels, worst first."""
+    """Returns counts of people by outcome and by the highest danger level that they met, worst first."""
     parts = []
     for outcome in top_view.OUTCOMES:
         levels = [a["danger_level"] for a in agents if a["outcome"] == outcome]

@@ -30,7 +30,7 @@ from wade.run.processes import end_with_parent
 from wade.states import CODES, LOST, SAFE
 from wade.terminal import Parser, say_error
 
-LONGEST_S = 30.0  # of a film whose speed was not given
+LONGEST_S = 30.0  # of a film without a given speed
 WIDTHS = (320, 7680)
 # How ffmpeg is told to write a film, by its ending.
 CODECS = {
@@ -94,13 +94,13 @@ class NoPeople:
 
 
 def between(before, after, time_s):
-    """Places of people at a time between two frames, and their states, those of the frame before until the one after."""
+    """Returns ids, positions and states of people at a time between two frames; states change at the frame after."""
     if after is None or time_s <= before.time_s or before.time_s == -np.inf:
         return before["id"], before.stacked("x", "z"), before["state"]
     share = min(1.0, (time_s - before.time_s) / (after.time_s - before.time_s))
     if share == 1:
         return after["id"], after.stacked("x", "z"), after["state"]
-    there = np.searchsorted(after["id"], before["id"])  # nobody leaves the frames
+    there = np.searchsorted(after["id"], before["id"])  # no person leaves the frames
     a, b = before.stacked("x", "z"), after.stacked("x", "z")[there]
     jumps = np.abs(b - a).max(axis=1) > 20 * (after.time_s - before.time_s)  # round a periodic world
     return before["id"], np.where(jumps[:, None], a, a + share * (b - a)), before["state"]
@@ -120,7 +120,7 @@ class Film:
         self.ends = np.array([float(row["time_s"]) if has_end else np.inf for row, has_end in zip(rows, ended)])
         self.outcomes = np.array([CODES[row["outcome"]] if has_end else 0 for row, has_end in zip(rows, ended)])
         self.before, self.after = NoPeople(), next(self.people, None)
-        self.paths = []  # (ids, places) of the frames that have passed
+        self.paths = []  # (ids, positions) of the frames that have passed
         self.drawn, self.shown, self.background = object(), 0, None
         rows = rows_of_groups(self.scene, of_film=True)
         self.by_group = rows > 0
@@ -212,7 +212,7 @@ class Film:
 
 
 def times_of(run, thinning, speed, rate):
-    """The times of the frames, s: at the speed, or at one at which the film is not too long; and that speed."""
+    """Returns the times of the frames, s, and the speed: the given one, or one that keeps the film within LONGEST_S."""
     ends = [frame.time_s for frame in thinning.chosen(of_run(run).frames())]
     _, water = water_snapshots(run / "water.bin")
     if water is not None and len(water) > 0 and (len(ends) < 2 or ends[0] > water["time"].min()):  # all are indoors at first

@@ -26,7 +26,7 @@ def short_name(name):
 
 
 def range_of(value):
-    """(lowest, highest) of a value that all agents of a group share, or of a range from which each draws its own."""
+    """Returns (lowest, highest) of a group's value: one value for all agents, or a range that each agent draws from."""
     return (value["min"], value["max"]) if isinstance(value, dict) else (value, value)
 
 
@@ -35,7 +35,7 @@ def interval(low, high):
 
 
 def tau_text(scene):
-    """The values of tau at the start, "by body" of who has none, then those to which events switch."""
+    """Returns the values of tau at the start, "by body" for groups without one, then the values set by events."""
     groups = scene["crowd"]["groups"]
     ranges = sorted({range_of(group["tau"]) for group in groups if "tau" in group})
     if len(ranges) > NAMED_TAUS:
@@ -91,7 +91,7 @@ def subtitle_of(outcome, time, water, whole_run):
 
 
 def group_names(groups, rows=1):
-    """Names of groups for so many lines of a legend, in which they have room together."""
+    """Returns the names of groups, shortened so that all fit into so many lines of a legend."""
     length = max(6, LEGEND_LENGTH * max(1, rows) // max(1, len(groups)))
     # A label that begins with "_" would be left out.
     return [re.sub("^_", " _", plain(group["name"], length)) for group in groups]

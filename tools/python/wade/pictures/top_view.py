@@ -136,7 +136,7 @@ def edges_of(start, cell, count, end):
 
 
 def passable(x_edges, z_edges, obstacles):
-    """Cells whose middle is in no obstacle."""
+    """Returns a mask of the cells with their middle outside of all obstacles."""
     x, z = (edges[:-1] + np.diff(edges) / 2 for edges in (x_edges, z_edges))
     free = np.ones((len(z), len(x)), dtype=bool)
     for box in obstacles:
@@ -170,7 +170,7 @@ def water_cells(water, scene):
 
 
 def draw_water(axes, cells, scene):
-    """The water, of which cells is what water_cells gives; None if all is dry."""
+    """Draws the water, cells as water_cells gives them. Returns None if all is dry."""
     x_edges, z_edges, depth = cells
     if not np.any(depth >= WET_M):
         return None
@@ -267,7 +267,7 @@ def draw_obstacles(axes, scene):
 
 
 def goals_of(scene):
-    """Places that groups walk to; those who walk to shelters have none."""
+    """Returns the goals of groups; groups that walk to shelters have none."""
     return {(g["goal"]["x_m"], g["goal"]["z_m"]) for g in scene["crowd"]["groups"] if g["goal"].get("to") != "shelters"}
 
 
@@ -312,7 +312,7 @@ def goal_colour(scene, goal):
 
 
 def draw_goals(axes, scene, by_group=True):
-    """Goals, below the people, who may have arrived in the midst of a star; in the colours of the groups, or all alike."""
+    """Draws goals below the people that may stand on them, in the colours of the groups, or all alike."""
     crowd, length = scene["crowd"], scene["world"]["length_m"]
     style = {"markeredgecolor": INK, "markeredgewidth": 0.8, "zorder": 8, "clip_on": False}
     for x, z in far_goals(scene):
@@ -321,7 +321,7 @@ def draw_goals(axes, scene, by_group=True):
     axes.add_collection(PolyCollection(polygons_of(scene, "shelters"), facecolors=STAR, edgecolors=INK, linewidths=0.8,
                                        alpha=0.7, zorder=4))
     for goal in sorted(goals_of(scene) - set(far_goals(scene))):
-        # Cut off at the edge of the world, where nobody walks and the picture has its title.
+        # Cut off at the edge of the world: no person walks beyond it, and the picture has its title there.
         reach = axes.add_patch(Circle(goal, crowd["goal_radius_m"], fill=False, edgecolor="#9a7400", linewidth=0.9,
                                       linestyle=(0, (3, 2)), zorder=7))
         reach.set_clip_path(Rectangle((0, 0), length, scene["world"]["width_m"], transform=axes.transData))

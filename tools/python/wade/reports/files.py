@@ -18,7 +18,7 @@ PICTURE = re.compile(r"!\[[^\]]*\]\(([^)]+\.png)\)")
 def whole_file(file):
     """Gives a name beside the file to write under. The file appears by a rename at the end; an error leaves no part of it."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f".{file.stem}-{secrets.token_hex(6)}{file.suffix}")  # so that nobody can have made it before
+    part = file.with_name(f".{file.stem}-{secrets.token_hex(6)}{file.suffix}")  # random: no other user can foresee it
     try:
         yield part
         to_disk(part)

@@ -31,7 +31,7 @@ class Job:
     result: Path
     fingerprint: str
     threads: int = 1
-    fine: tuple = (0,)  # exit codes with which it has left a result
+    fine: tuple = (0,)  # exit codes of a program that has left a result
 
     @property
     def log(self):

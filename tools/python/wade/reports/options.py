@@ -1,4 +1,4 @@
-"""Options of the suites: one way to say --out, --publish and what is allowed."""
+"""Options that all suites share: --out, --publish, and checks of allowed values."""
 
 import argparse
 import fnmatch

@@ -47,13 +47,13 @@ def plain(head, rows):
 
 
 def section(title, *parts, level=2):
-    """A section of a report of those parts that are not empty; "" if all are."""
+    """Returns a section of a report with all parts that are not empty; "" if all are."""
     parts = [part.rstrip("\n") for part in parts if part]
     return "\n\n".join([f"{'#' * level} {title}", *parts]) + "\n" if parts else ""
 
 
 def wrapped(text, width=160):
-    """Markdown whose lines of prose are at most that wide; tables, listings and headings are left as they are."""
+    """Wraps the prose of Markdown to at most `width` columns; leaves tables, listings and headings as they are."""
     lines, fenced = [], False
     for line in text.split("\n"):
         fenced ^= line.lstrip().startswith("```")
@@ -72,7 +72,7 @@ def wrapped(text, width=160):
 
 
 def document(*sections):
-    """A report of those sections that are not empty."""
+    """Returns a report with all sections that are not empty."""
     return wrapped("\n".join(part.rstrip("\n") + "\n" for part in sections if part))
 
 

@@ -1,4 +1,4 @@
-"""The command line of a run: what its --help says, and whose option is whose."""
+"""The command line of a run: its --help text, and which program each option belongs to."""
 
 import shlex
 import textwrap
@@ -59,7 +59,7 @@ def help_text():
     return HELP.replace("{options}", "\n".join(lines))
 
 
-# What each of them takes, for those who give it nothing.
+# What each option of a run takes, for the error text if a value is missing or wrong.
 OWN_VALUES = {
     "--out": "a folder",
     "--session": "1 to 200 letters, digits, '.', '_' and '-'",
@@ -91,7 +91,7 @@ def values_of(arguments, name):
 
 
 def suit_to_latest(theirs):
-    """With --mode latest nobody is waited for: adds what the producer needs for it, refuses what does not go with it.
+    """With --mode latest the water waits for no consumer: adds the options for it, refuses options that contradict it.
 
     theirs: {program: its arguments}. Water that is sent as fast as it comes would be over before the crowd has joined.
     """

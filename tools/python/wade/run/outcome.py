@@ -19,7 +19,7 @@ def state_of(path):
 
 
 class BeforeRun:
-    """What is in the run folder when a run begins, to tell its results from those of an earlier one."""
+    """Records the content of the run folder when a run begins, to tell new results from older ones."""
 
     def __init__(self, folder, many):
         self.folder, self.many = folder, many
@@ -40,7 +40,7 @@ class BeforeRun:
         return state_of(self.results) not in (None, self.earlier.get(self.results.name))
 
     def left_from_earlier(self):
-        """The names of files and of crowds whose results are not of this run."""
+        """Returns the names of files and of crowds with results of an earlier run."""
         files, crowds = self.files(), self.crowds() if self.many else {}
         return [name for name, state in self.earlier.items() if files.get(name) == state] + sorted(
             name for name, outcome in self.earlier_crowds.items() if crowds.get(name) == outcome
@@ -99,7 +99,7 @@ def has_frames(folder):
 
 
 def read_agents(path):
-    """Rows of agents.csv, whose numbers and ends are checked; none if the run ended before it was written."""
+    """Returns the rows of agents.csv with checked numbers and ends; none if the run ended before it was written."""
     if not os.path.lexists(path):
         return []
     rows = plain_file.read_table(path)

@@ -42,7 +42,7 @@ def programs_for(arguments):
 
 
 def check_ranks(arguments):
-    """The program whose water is spread over ranks. UsageError without Open MPI, or with water of another producer."""
+    """Returns the program that spreads its water over ranks. UsageError without Open MPI or with another producer."""
     for name in ("--replay", "--producer"):
         if is_given(arguments, name):
             raise UsageError(f"{name} and --ranks exclude one another; allowed over ranks: the water of fluid_server")
@@ -71,7 +71,7 @@ def has_view(arguments):
 
 
 def without_comments(text):
-    """JSON whose comments, which scenes may have, are blanks."""
+    """Returns JSON with blanks instead of the comments that scenes may have."""
     blank = lambda found: found[0] if found[0].startswith('"') else re.sub(r"[^\n]", " ", found[0])  # noqa: E731
     return re.sub(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', blank, text, flags=re.DOTALL)
 
@@ -339,7 +339,7 @@ def carry_out(run):
     codes = pair.wait()
     code = meaning(codes)
     if "--session" not in own:
-        # Only a killed producer leaves its segment behind, and nobody else knows this name.
+        # Only a killed producer leaves its segment behind, and no other run knows this name.
         for kind in ("fluid", "agents"):
             Path(f"/dev/shm/{session}-{kind}").unlink(missing_ok=True)
 

@@ -124,7 +124,7 @@ class Pair:
 
 
 def wait_for_an_end(processes, seconds):
-    """Waits until one of those that run has ended, but no longer than so many seconds."""
+    """Waits until one of the running processes has ended, but no longer than so many seconds."""
     ends, watched = select.poll(), []
     try:
         for process in processes:
@@ -160,7 +160,7 @@ def descends_from(pid, ancestor):
 
 
 def words_of_segment(session, at, form):
-    """Values at an offset of the session's water, None while there is no such place."""
+    """Returns values at an offset of the session's water segment, None while there are none."""
     try:
         with open(f"/dev/shm/{session}-fluid", "rb") as segment:
             segment.seek(at)
@@ -195,7 +195,7 @@ def wait_until_joined(consumer, producer, session):
 
 
 def resolved(scene, *options):
-    """A scene as crowd_client reads it with these options. UsageError for one that it refuses, of which it says itself why."""
+    """Returns a scene as crowd_client reads it with these options. UsageError if refused; the program prints why."""
     code, text = answer_of([BUILD / "crowd_client", scene, *options, "--print-config"])
     if code != 0:
         raise UsageError(f"the scene {scene} cannot be used")

@@ -1,14 +1,15 @@
 """People adrift: how their drifts ended, and how many are lost at other hazards of drowning than the one that acted.
 
-The hazard of drowning is assumed and acts on the exposure x of a person adrift (docs/people_in_water.md#drowning). The drowned
-show x up to their death only. A run with the hazard lambda tells of another one where nothing reacts to the dead:
+The hazard of drowning is assumed and acts on the exposure x of a person adrift (docs/people_in_water.md#drowning). The
+exposure of a drowned person is known up to death only. A run with the hazard lambda gives the lost at another hazard if
+nothing reacts to the dead:
 
-  larger    all that are lost, and of each other person 1 - exp(-(larger - lambda) x)
-  smaller   all that are lost but the drowned adrift; of each of these the share of people who, adrift for longer than x, were lost
-            otherwise or met an exposure of lambda x / smaller and more. Weights exp(lambda x): as many met that exposure (Horvitz
-            and Thompson 1952)
-  under     the rule of earlier versions, an upper bound: death after the air budget adrift, never of swimmers. All drifts of a
-            person count as one, and of the drowned adrift all are lost
+  larger    lost people count 1, each other person 1 - exp(-(larger - lambda) x)
+  smaller   lost people count 1, except people drowned adrift. Each of these counts a fraction of the people not
+            drowned adrift with exposures of at least x: those lost below the exposure lambda x / smaller, or with at
+            least that exposure. Weights exp(lambda x): so many people met that exposure (Horvitz and Thompson 1952)
+  under     the rule of earlier versions, an upper bound: people adrift for at least the air budget die, swimmers never.
+            All drifts of a person count as one, and all people drowned adrift are lost
 
 The weights have no variance where lambda times the mean exposure exceeds 1. So smaller hazards are told of runs with the best hazard
 or a smaller one alone.

@@ -16,7 +16,7 @@ from wade.ensembles.folder import EnsembleFolder, read_json, why_incomplete
 from wade.ensembles.plan import read_plan
 from wade.states import ENDS, IN_HOUSES, check_states, end_of, kind_of
 
-SWEPT_AWAY = "swept away"  # kind: over the fall, or out with the water
+SWEPT_AWAY = "swept away"  # kind: over the outfall, or out of the map with the water
 # Columns of each table, by the end: all that follows is a part of lost or of no end yet, and a column only if it occurs.
 LOST, NO_END = "lost", "no end yet"
 ALWAYS = ("arrived", "sheltered", LOST, NO_END)
@@ -179,7 +179,7 @@ def age_class(age):
 
 
 def start_place(x, z):
-    """The square of 20 m in which somebody starts, "x 60, z 0" by its lower corner."""
+    """Returns the square of 20 m of a start position, "x 60, z 0" by its lower corner; "" if it is not known."""
     return f"x {x // SQUARE_M * SQUARE_M:.0f}, z {z // SQUARE_M * SQUARE_M:.0f}" if x == x else ""
 
 
@@ -206,7 +206,7 @@ def _number_first(name):
 
 
 def has_feet(case):
-    """Whether somebody lost the feet, which only people can who answer the water by their bodies."""
+    """Returns true if at least one person lost the feet; only people with the response `measured` can."""
     return bool((~np.isnan(case.people["off_feet_s"])).any())
 
 
@@ -220,7 +220,7 @@ def fates_of(*cases):
 
 
 def open_kinds(*cases):
-    """{kind: mean share of the people} of those without an end yet; of several cases of all their people."""
+    """Returns {kind: share of all people} of the people without an end yet, over all cases together."""
     people = sum(len(case.people["run"]) for case in cases)
     counts = Counter(fate for case in cases for fate in case.people["fate"][having(case.people, NO_END)].tolist())
     return {kind: counts[kind] / people for kind in fates_of(*cases) if counts[kind]}

@@ -24,7 +24,7 @@ def draw_curve(axes, curve, end, label, index):
 
 
 def draw_curves(case, curves, file):
-    """curves.png: cumulative incidences, who is still on the feet, FN curve; each with n."""
+    """Draws curves.png: cumulative incidences, the share still on their feet, FN curve; each with n."""
     end = max(run.outcome["sim_time_s"] for run in case.runs)
     with_feet = len(curves) > 2
     figure, axes = panels(3 if with_feet else 2, (4.6, 3.7))

@@ -13,7 +13,7 @@ LEVELS = 4  # of Morris' grid; steps of LEVELS / (2 (LEVELS - 1)), so that all l
 
 
 def trajectories(inputs, count, seed):
-    """Morris' one-at-a-time ways through the grid (Morris 1991): (count, inputs + 1, inputs)."""
+    """Returns Morris' one-at-a-time trajectories through the grid (Morris 1991): (count, inputs + 1, inputs)."""
     random = np.random.default_rng(seed)
     step = LEVELS / (2 * (LEVELS - 1))
     ways = np.empty((count, inputs + 1, inputs))
@@ -39,7 +39,7 @@ class Effects:
 
 
 def elementary_effects(ways, results):
-    """Effects of each input per its whole range, of results (count, inputs + 1) along the ways (Campolongo et al. 2007)."""
+    """Returns Effects over whole ranges; results: (count, inputs + 1) along trajectories (Campolongo et al. 2007)."""
     changes = np.diff(ways, axis=1)
     which = np.argmax(np.abs(changes), axis=2)
     effects = np.empty(ways.shape[::2])

@@ -1,7 +1,7 @@
-"""Where the dead and the missing are to be looked for: density of last places over the runs of an ensemble, and drift.
+"""Where to search for the dead and the missing: density of last positions over the runs of an ensemble, and drift.
 
-Density by a Gaussian kernel of 5 m, mirrored at the edges of the map; contours that hold 50 and 90 % of it; squares by what
-is found in them, the best first. Bodies may drift on from where a run ends: water that stays as it is, and a random walk.
+Density by a Gaussian kernel of 5 m, mirrored at the edges of the map; contours that hold 50 and 90 % of it; squares by
+their probability, the highest first. Bodies may drift on after the end of a run: steady water, and a random walk.
 """
 
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ def _kernel(count, cell, bandwidth):
 
 
 def density_of(xs, zs, length, width, weights=None, bandwidth=BANDWIDTH_M):
-    """The density of last places in a world of length x width, m; None without any."""
+    """Returns the density of last positions in a world of length x width, m; None without positions."""
     if len(xs) == 0:
         return None
     x, z = edges(length), edges(width)
@@ -91,7 +91,7 @@ def mixing_of(depth, speed, manning=0.03):
 
 @dataclass
 class Drift:
-    """Bodies that drift: places, m, how long each has been in shallow water, s, and whether it is stranded or out."""
+    """Bodies that drift: positions, m, time in shallow water, s, and whether each is stranded or off the map."""
 
     x: np.ndarray
     z: np.ndarray
@@ -111,7 +111,7 @@ def drift(bodies, water, duration, dt, seed, manning=0.03, inside=None):
     """Carries bodies for a time: dx = (u + grad K) dt + sqrt(2 K dt) xi. Without grad K they would gather where water mixes
     little (Visser 1997); it is taken over 1 m.
 
-    water(x, z): (depth, m; velocity along x and z, m/s) there. inside(x, z): whether a place is on the map.
+    water(x, z): (depth, m; velocity along x and z, m/s) there. inside(x, z): true for positions on the map.
     A number of the random walk depends on the seed, the step and the body alone.
     """
     random = np.random.default_rng(seed)

@@ -173,7 +173,7 @@ def first_words(case):
 
 
 def bars(case):
-    """Stacked bars of who ended how, by classes, with their numbers."""
+    """Returns stacked bars of the fates of people, by classes, with their numbers."""
     fates, parts = fates_of(case), []
     seen = [fate for fate in fates if (case.people["fate"] == fate).any()]
     key = "".join(f'<span class="key" style="background:{colour_of(fate, fates)}"></span>{text(fate)}' for fate in seen)

@@ -4,8 +4,8 @@ With a SCENE it writes DIR/plan.csv and DIR/design.json; `tools/wade many DIR/pl
 writes sensitivity.csv, sensitivity.md and sensitivity.png. First --morris over all inputs, then --sobol over those that matter.
 
 Inputs are a JSON list: name, set (pointers; * stands for each group), min, max, source, unit, times_own
-for a factor on the scene's own value; needs and unless are pointers with which alone, or with which not,
-it applies. All points have the same seeds, so that chance is common to them.
+for a factor on the scene's own value. An input applies only if the scene has a value at the pointer needs
+and none at the pointer unless. All points have the same seeds, so that chance is common to them.
 """
 
 import json
@@ -29,7 +29,7 @@ from wade.terminal import Parser
 DEFAULT_INPUTS = Path(__file__).with_name("inputs.json")
 DESIGN, PLAN = "design.json", "plan.csv"
 NEEDED = ("name", "set", "min", "max", "source")
-# What of a run is looked at: the share of people, in words, and from outcome.json.
+# Results of a run to analyse: the share of people, in words, and from outcome.json.
 RESULTS = {
     "died": ("who die", lambda o: o["dead"] / o["agents"]),
     "arrived": ("who arrive, or find shelter", lambda o: sum(o["states"].get(s, 0) for s in SAFE) / o["agents"]),
@@ -49,7 +49,7 @@ class Input:
         self.factors = {pointer: own for pointer, own in self.factors.items() if fits and isinstance(own, (int, float)) and own}
 
     def settings(self, unit):
-        """{pointer: value} at a place of the unit interval."""
+        """Returns {pointer: value} at a coordinate of the unit interval."""
         value = self.entry["min"] + unit * (self.entry["max"] - self.entry["min"])
         return {pointer: round(value * factor, 9) for pointer, factor in self.factors.items()}
 
@@ -69,7 +69,7 @@ def value_of(scene, pointer):
 
 
 def spread(pointer, scene):
-    """A pointer, that with * once for each group of the scene."""
+    """Returns the pointers of a pattern: one for each group of the scene if it has *, else itself."""
     if "/*/" not in pointer:
         return [pointer]
     head, tail = pointer.split("/*/")
@@ -230,7 +230,7 @@ def page(design, result, rows, found):
 
 
 def analyse(options):
-    """sensitivity.md, .csv, .png of a folder whose runs are there."""
+    """Writes sensitivity.md, .csv and .png of a folder if its runs are complete; returns the exit code."""
     folder = Path(options.target)
     design = plain_file.read_json(folder / DESIGN)
     results, missing = results_of(folder, design, options.result)

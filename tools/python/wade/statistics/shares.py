@@ -1,6 +1,6 @@
 """Shares of people, from runs: intervals of 95 % over runs, never over people, and none where it cannot hold.
 
-The people of a run share its water and push one another, so that their fates are not independent: the run is the unit.
+The people of a run share its water and push one another. Their fates are not independent, so the run is the unit.
 The same numbers give the same intervals. Coverage, by simulation: docs/survival.md.
 """
 
@@ -15,16 +15,16 @@ from scipy import special
 
 LEVEL = 0.95
 FEWEST_RUNS = 10      # with fewer, t-Wilson covers 77 to 92 % where people of a run are alike
-FEWEST_WITH_ANY = 5   # runs in which somebody has it, and runs in which somebody has it not
-FEWEST_EFFECTIVE = 12  # independent people of the rarer outcome: with fewer, over 7 % of ensembles would get a wrong one
+FEWEST_WITH_ANY = 5   # runs with at least one case, and runs with at least one person that is no case
+FEWEST_EFFECTIVE = 12  # independent cases of the rarer outcome; with fewer, over 7 % of ensembles get a wrong interval
 RAREST_GIVEN = 0.02   # coverage is kept wherever this share of ensembles gets an interval; see level_of()
-RESAMPLES = 1000      # moves the ends of an interval by about 4 % of its width
+RESAMPLES = 1000      # bootstrap draws; their chance moves the ends of an interval by about 4 % of its width
 SEED = 20201016
 
 
 @dataclass(frozen=True)
 class Share:
-    """What runs say of a share. low, high: None with the reason in `refused`."""
+    """A share estimated from runs. low, high: its interval, or None with the reason in `refused`."""
 
     runs: int
     people: int
@@ -32,14 +32,14 @@ class Share:
     low: float | None
     high: float | None
     runs_with_any: int
-    runs_with_other: int  # in which somebody has it not
+    runs_with_other: int  # runs with at least one person that is no case
     refused: str = ""
 
     @property
     def limit(self):
-        """One-sided bound of 95 % where no or all people of all runs have it, else None.
+        """Returns the one-sided bound of 95 % if no people or all people of all runs are cases, else None.
 
-        The share of people is at most the share of runs with any, for which 1 - 0.05^(1 / runs) is exact.
+        The share of people is at most the share of runs with any case, and 1 - 0.05^(1 / runs) is its exact bound.
         """
         if self.people == 0 or (self.runs_with_any and self.runs_with_other):
             return None
@@ -88,7 +88,7 @@ def design_effect(counts, people):
 
 
 def why_not(counts, people, effect):
-    """Why no interval can be given; "" if one can."""
+    """Returns the reason why no interval can be given; "" if one can."""
     runs = len(counts)
     if runs < FEWEST_RUNS:
         return f"fewer than {FEWEST_RUNS} runs"
@@ -107,13 +107,14 @@ def why_not(counts, people, effect):
 
 
 def level_of(effective, runs):
-    """Level at which an interval must be computed so that 95 % of those hold that are given.
+    """Returns the nominal level of an interval, so that 95 % of the intervals that are not refused hold.
 
-    effective: independent cases of the rarer outcome, at least FEWEST_EFFECTIVE, as the runs make them out to be. What just
-    passes that rule is often an odd ensemble of few cases. If each truth is rejected with the probability 0.05 times that with
-    which it gets an interval at all, 0.05 of those given are wrong, whatever the truth (the conditional level of Weinstein,
-    Fithian and Benjamini, 2013). That probability is taken for the fewest cases that these runs may stand for, RAREST_GIVEN
-    below: log(effective) is normal, with the variance of a design effect from chi-square of runs less 1, and of so many cases.
+    effective: estimated number of independent cases of the rarer outcome, at least FEWEST_EFFECTIVE. An ensemble that
+    just passes that rule often has more cases than usual, by chance. Let p be the probability of getting an interval at
+    all. If an interval misses the truth with probability 0.05 p, 5 % of the given ones are wrong, whatever the truth
+    (the conditional level of Weinstein, Fithian and Benjamini, 2013). p is taken for the smallest true number of cases
+    that these runs may come from: the quantile RAREST_GIVEN of a normal log(effective). Its variance is that of a
+    design effect, from chi-square with runs - 1 degrees of freedom, plus that of the number of cases.
     """
     deviation = math.sqrt(2 / (runs - 1) + 1 / effective)
     normal = statistics.NormalDist()
@@ -122,13 +123,13 @@ def level_of(effective, runs):
 
 
 def interval(share, people, runs):
-    """t-Wilson of a share of so many independent people, at the level that the rules of refusal ask for."""
+    """Returns the t-Wilson interval of a share of `people` independent people, at the level of level_of()."""
     effective = people * min(share, 1 - share)
     return wilson(share * people, people, t_quantile(runs - 1, level_of(effective, runs)))
 
 
 def share_of(counts, people):
-    """The share of people to whom something happened, t-Wilson with the design effect of runs. counts, people: a run each."""
+    """Returns the Share of cases, t-Wilson with the design effect of runs. counts, people: cases and people a run."""
     total = sum(people)
     if total == 0:
         return Share(len(counts), 0, math.nan, None, None, 0, 0, "nobody")
@@ -149,14 +150,14 @@ def share_of_runs(successes, runs):
 
 
 def arrival_interval(arrived, agents):
-    """(mean, low, high) of how many of so many agents a run arrive; the ends are None where no interval can be given."""
+    """Returns (mean, low, high) of the arrivals a run, of `agents`; low and high None where no interval holds."""
     share = share_of(arrived, [agents] * len(arrived))
     ends = (None, None) if share.refused else (agents * share.low, agents * share.high)
     return statistics.fmean(arrived), *ends
 
 
 def expanded_level(runs):
-    """Level of percentiles at which a bootstrap over so few runs covers 95 % (Hesterberg 2015, expanded percentiles)."""
+    """Returns the percentile level for 95 % coverage of a bootstrap over few runs (Hesterberg 2015, expanded ones)."""
     quantile = t_quantile(runs - 1) * math.sqrt(runs / (runs - 1))
     return 2 * statistics.NormalDist().cdf(quantile) - 1
 
@@ -192,14 +193,14 @@ def mean_of_alike(values, most=1.0):
 
 # When there are enough runs.
 
-FIRST_LOOK = 20  # runs; who looks at 3 runs first stops too early: coverage 0.80 where people of a run are alike
+FIRST_LOOK = 20  # runs; a first look at 3 runs stops too early: coverage 0.80 where people of a run are alike
 MAX_WIDTH = 0.1  # of a share; of a mean time half of the narrowest band that is judged, +- 10 %
 
 
 def runs_needed(counts, people, width=MAX_WIDTH):
-    """How many runs, of the same size and as unlike one another, make the interval of the share so narrow.
+    """Returns how many runs, of the same size and spread, make the interval of the share at most `width` wide.
 
-    None where that cannot be told: fewer than 20 runs, or so rare that no interval can be given.
+    Returns None for fewer than 20 runs, and where no interval can be given.
     """
     runs, total = len(counts), sum(people)
     if runs < FIRST_LOOK or total == 0:
@@ -225,9 +226,10 @@ def runs_needed(counts, people, width=MAX_WIDTH):
 
 
 def precise_enough(arrived, agents, times):
-    """The rule when to stop: from 20 runs on, when the intervals are narrower than a tenth, of agents and of the mean time.
+    """Returns true from 20 runs on if the intervals are at most a tenth wide, of the agents and of the mean time.
 
-    times: last arrivals of the runs in which somebody arrived. Runs that all end alike, with all or with nobody, are enough.
+    times: last arrivals, s, of the runs with arrivals. If no agent or every agent arrives in all runs, the share
+    needs no interval.
     """
     if len(arrived) < FIRST_LOOK:
         return False
@@ -246,7 +248,7 @@ def precise_enough(arrived, agents, times):
 
 @dataclass(frozen=True)
 class Comparison:
-    """What the second ensemble has more than the first; per: people for one more, with its interval."""
+    """Difference of the second ensemble from the first; per: number of people for one more case, with its interval."""
 
     pairs: int
     people: int

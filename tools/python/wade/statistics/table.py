@@ -1,7 +1,7 @@
 """Who arrives, is sheltered, lost, or has no end yet: a table of an ensemble with intervals over its runs.
 
 Reads DIR as `tools/wade many` wrote it, or any folder with run folders in it. Writes table.csv, table.md and figures there
-or into --out. Every number has its runs and people; where no interval can be given, the reason stands in its place.
+or into --out. Every number has its runs and people, and an interval or the reason why there is none.
 """
 
 import json
@@ -135,7 +135,7 @@ def why_no_class(case, by):
 
 
 def class_table(case, by):
-    """The Markdown table of one way to tell people apart, with the people that are in no class and the reason."""
+    """Returns the Markdown table of the classes `by`, with the number of people in no class and the reason."""
     rows = shares_of(case, by)
     outside = int((~np.logical_or.reduce([here for _, here in classes(case, by)] or [np.zeros(len(case.people["run"]), bool)])).sum())
     why = f"By {by}: {outside} of {len(case.people['run'])} people are in no class: {why_no_class(case, by)}\n" if outside else ""
@@ -243,7 +243,7 @@ def compare(first, second, by):
 
 
 def what_decides(*cases):
-    """Sentences on what tells the end of those without one, by their kinds; "" if all have an end."""
+    """Returns sentences on what would decide for people without an end yet, by kind; "" if all have an end."""
     kinds = open_kinds(*cases)
     houses = [kind for kind in kinds if kind in IN_A_HOUSE]
     others = [kind for kind in kinds if kind not in IN_A_HOUSE]
@@ -425,7 +425,7 @@ def case_section(case, bys, width, pictures):
 
 
 def varied_keys(cases):
-    """The keys of scenes whose values differ between cases."""
+    """Returns the scene keys with values that differ between cases."""
     keys = dict.fromkeys(key for case in cases for key in case.settings)
     return [key for key in keys if len({json.dumps(case.settings.get(key)) for case in cases}) > 1]
 
@@ -442,7 +442,7 @@ def label_of(case, keys):
 
 
 def told_apart_by(cases):
-    """The keys whose values tell all cases apart; none where names must."""
+    """Returns the scene keys with values that distinguish all cases; [] if only names do."""
     keys = varied_keys(cases)
     return keys if len({label_of(case, keys) for case in cases}) == len(cases) else []
 

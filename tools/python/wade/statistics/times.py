@@ -1,6 +1,6 @@
 """When people arrive, lose their feet, die: curves over time with bands of 95 % by resampling whole runs, and the FN curve.
 
-A band holds at each time by itself. Greenwood's, of people, covers 0.67 in place of 0.95 where runs differ.
+Bands are pointwise. Greenwood's formula, over people, covers 0.67 instead of 0.95 where runs differ.
 """
 
 from dataclasses import dataclass
@@ -98,13 +98,13 @@ def curve_of(lives, times, estimate, matrices):
 
 
 def staying(lives):
-    """The share to whom nothing has happened yet, of those who are still there to whom it can."""
+    """Returns the share of people without an event over time, by Kaplan-Meier over the people still at risk."""
     times, events, at_risk = lives.counts()
     return curve_of(lives, times, survival, (sum(events.values(), np.zeros_like(at_risk)), at_risk))
 
 
 def incidences(lives, causes):
-    """{cause: the share to whom it has happened, before any other of the causes}."""
+    """Returns {cause: share of people over time with this cause as their first event}, by Aalen-Johansen."""
     times, events, at_risk = lives.counts()
     every = sum(events.values(), np.zeros_like(at_risk))
     nothing = np.zeros_like(at_risk)
@@ -126,7 +126,7 @@ def lives_of(case, with_feet=False):
 
 
 def curves_of(case):
-    """{name: Curve} of a case; those of the feet where somebody lost them."""
+    """Returns {name: Curve} of a case; curves of the feet only if at least one person lost them."""
     ends = incidences(lives_of(case), (ARRIVED, DIED))
     curves = {"arrived": ends[ARRIVED], "died": ends[DIED]}
     if has_feet(case):

@@ -1,6 +1,6 @@
 """Where to search: a map of the last places of the dead and the missing over all runs of an ensemble.
 
-Contours hold 50 and 90 % of what is expected; squares of 10 m stand in the order in which a party should search them.
+Contours hold 50 and 90 % of what is expected; squares of 10 m stand in the order of the search.
 Writes victims.png, victims.csv (the squares) and victims.md. The missing are carried, hold on, recover or are
 pinned when a run ends. --drift-s lets the bodies go on with the water of the end.
 """
@@ -22,14 +22,14 @@ from wade.statistics.table import percent
 from wade.terminal import Parser
 
 HELD = (0.5, 0.9)
-CELL_M = 2.0        # of the stream that people felt
-FAR_M = 5.0         # from such a cell nothing is known of the water
+CELL_M = 2.0        # cells of the flow sampled at people
+FAR_M = 5.0         # farther than this from a cell with samples the flow is not known
 STEP_S = 0.5
 EPILOG = "Exit code: 0, or 2 for bad usage or a folder without complete runs."
 
 
 def felt_stream(case, world):
-    """water(x, z) from terms.csv of the runs, means over all people and times in cells of 2 m; None without such files."""
+    """Returns water(x, z), the mean flow sampled at people (terms.csv), in cells of 2 m; None without such files."""
     rows = [row for run in case.runs if (run.folder / "terms.csv").exists() for row in _felt(run.folder)]
     if not rows:
         return None
@@ -52,7 +52,7 @@ def felt_stream(case, world):
 
 
 def _felt(folder):
-    """[(x, z, depth, stream along x and z)] where people felt water in the second half of a run."""
+    """Yields (x, z, depth, velocity along x and z) sampled at people in the second half of a run; m, m/s."""
     from wade.pictures.run_files import read_paths
 
     if not os.path.lexists(folder / "trajectories.sqlite"):
@@ -96,7 +96,7 @@ def straight_stream(scene):
 
 
 def sought(case):
-    """Who is to be looked for: (x, z, run, is dead), and how many the water carried off the map."""
+    """Returns x, z, run, is dead of the dead and missing people on the map, and the number of people carried off it."""
     people = case.people
     who = people["dead"] | np.isin(people["fate"].astype(str), MISSING)
     away = people["fate"].astype(str) == SWEPT_AWAY
@@ -119,7 +119,7 @@ def drifted(case, scene, x, z, duration):
 
 
 def draw(scene, density, x, z, title, file):
-    """victims.png: the map with the density and its contours, and the places themselves."""
+    """Draws victims.png: the map with the density, its contours and the last positions."""
     import matplotlib.pyplot as plt
 
     from wade.pictures import top_view
@@ -151,7 +151,7 @@ def table_of(rows):
 
 
 def look(case, options, file):
-    """(section, lines of victims.csv) of a case; "" where nobody is to be looked for."""
+    """Returns (section, lines of victims.csv) of a case; no lines without dead or missing people on the map."""
     scene = resolved_scene(case.manifest())
     x, z, run, dead, over = sought(case)
     lost = f" {over} were carried off the map." if over else ""

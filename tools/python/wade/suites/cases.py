@@ -11,7 +11,7 @@ from wade.reports.options import choose, patterns_of
 LEVELS = ("coarse", "medium", "fine")
 # What a run reads beside the program.
 INPUTS = ("configs/**/*.json", "tests/validation/data/**/*")
-FOLLOWS_PEOPLE = ("mixed",)  # its particles are where the people of one crowd are, who tell it in every frame
+FOLLOWS_PEOPLE = ("mixed",)  # its particles follow the people of one crowd, by the agents stream of every frame
 
 
 class Case:
@@ -27,7 +27,7 @@ class Case:
         self.starts = int(marks.get("starts", 1))
 
     def starts_at(self, level):
-        """How many runs the medians are of."""
+        """Returns how many runs the medians are taken over."""
         return self.starts if LEVELS.index(level) < self.long_from else 1
 
     def describe(self):
@@ -59,7 +59,7 @@ def plan(cases, patterns, levels, quick, long):
 
 
 def left_out(patterns, runs):
-    """The patterns that none of these runs goes by."""
+    """Returns the patterns that match none of these runs."""
     names = {case.name for case, _ in runs}
     return [pattern for pattern in patterns_of(patterns) if not fnmatch.filter(names, pattern)]
 

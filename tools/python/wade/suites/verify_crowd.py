@@ -1,11 +1,11 @@
 """Runs the tests of crowds that ISO 20414, RiMEA and IMO ask for, and those of two-way flow, doors and water.
 
 Each test is a scene of configs/validation, a truth from the guideline or from experiments, and limits
-set before the results (tests/validation/thresholds.csv, with their reasons). report.md says which test
-of which guideline is which case, which do not apply and why, with a plot of openings; DIR/runs/ has the
+set before the results (tests/validation/thresholds.csv, with their reasons). report.md lists the tests
+of the guidelines with their cases, or why they do not apply, with a plot of openings; DIR/runs/ has the
 numbers and curves of each run. Cases with bodies count their levels by the runs that they make: coarse
 is what the tests run, medium and fine have more seeds, widths and rates; the others count them by the
-markers. A run that is complete and whose program and scenes are still the same is not repeated.
+markers. A complete run of the same program and scenes is not repeated.
 
 Exit code 1: a run failed,
 or a value is above its threshold and no known failure (tests/validation/known_failures.csv); 2: wrong
@@ -78,7 +78,7 @@ def cases_text(cases, runs, judge):
 
 
 def front(runs, judge):
-    """Which test of which guideline is which case, with the case's verdict."""
+    """Returns the section that lists the tests of the guidelines with their cases and verdicts."""
     asked = markdown(("RiMEA", "IMO", "NIST", "test", "case, or why it does not apply"),
                      [(*numbers, what, cases_text(cases, runs, judge) if cases else f"does not apply: {why}")
                       for *numbers, what, cases, why in TESTS])

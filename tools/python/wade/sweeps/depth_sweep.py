@@ -1,9 +1,9 @@
 """Who crosses, over the plane of depth H and velocity v_F: the paper's argument is about their product.
 
 Runs N x N depths (0.25 to 1.5 m) and velocities (0.5 to 5 m/s), one water at a time with a crowd for
-each tau and seed in it, and writes DIR/depth_sweep.csv and DIR/depth_sweep.png. What is in the table
-already is not run again, so that a sweep that was cut off goes on; it is taken as it is, so that
-another scene or other programs want another DIR. Meant for the kinematic water of configs/observed.
+each tau and seed in it, and writes DIR/depth_sweep.csv and DIR/depth_sweep.png. Rows of the table are
+not run again, so that a sweep that was cut off goes on. They are not checked: use another DIR for
+another scene or other programs. Meant for the kinematic water of configs/observed.
 The part `plane` of `tools/wade paper` is this sweep.
 """
 
@@ -111,7 +111,7 @@ def key_of(row):
 
 
 def limit_of(scene, tau):
-    """Largest H v_F, m2/s, at which an agent in the middle of a uniform stream holds its ground by Eq. 9.
+    """Returns the largest H v_F, m2/s, that an agent in the middle of a uniform stream withstands by Eq. 9.
 
     v_F < v_B m_a / (tau m_c), and the water in contact weighs m_c = rho H pi r^2, so that H v_F < v_B m_a / (tau rho pi r^2).
     tau: a number, or the limits between which it is drawn. (lowest, highest) of the first group; two numbers only if tau
@@ -122,7 +122,7 @@ def limit_of(scene, tau):
 
 
 def edges(values):
-    """Borders half-way between values, on a scale of ratios."""
+    """Returns the borders midway between values, on a logarithmic scale."""
     log = np.log(values)
     middle = (log[1:] + log[:-1]) / 2
     return np.exp(np.concatenate([[2 * log[0] - middle[0]], middle, [2 * log[-1] - middle[-1]]]))
@@ -209,7 +209,7 @@ def main(arguments):
         parser.error(f"--points: {options.points}, allowed is 2 to 50")
     options.scene = find_scene(str(options.scene))
     scene = resolved(options.scene)
-    given_tau(scene["crowd"]["groups"][0])  # of bodies the sweep's tau would change nothing
+    given_tau(scene["crowd"]["groups"][0])  # people with the response `measured` would ignore the sweep's tau
     options.out.mkdir(parents=True, exist_ok=True)
     path = options.out / "depth_sweep.csv"
     done = rows_to_go_on_with(path, options.until_s)

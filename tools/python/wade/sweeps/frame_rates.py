@@ -45,7 +45,7 @@ def verdict(rows, key):
     if any(row["status"] != "completed" for row in rows):
         return "incomplete"
     if any(row[f"{key}_mean"] is None for row in rows):
-        return "-"  # somewhere nobody arrived
+        return "-"  # no arrivals at some rate
     means = [row[f"{key}_mean"] for row in rows]
     agree = max(row[f"{key}_lo"] for row in rows) <= min(row[f"{key}_hi"] for row in rows)
     return f"{max(means) - min(means):.2f}, {'pass' if agree else 'FAIL'}"
@@ -118,7 +118,7 @@ def rates_of(text):
 
 
 def at_rate(rate, vary="both", highest=None):
-    """Options for frames and steps at one rate, also of a scene whose crowd has a rate of its own.
+    """Returns options for frames and steps at one rate; they also replace a crowd's own rate.
 
     vary: "frames" or "steps" keeps the others at the highest rate.
     """
@@ -185,7 +185,7 @@ def run(name, rate, scene, options):
 
 
 def figures_of(folder):
-    """(arrived, time of the last arrival, mean time of the arrivals) of a crowd; times None if nobody arrived."""
+    """Returns (arrivals, time of the last arrival, s, mean arrival time, s) of a crowd; times None without arrivals."""
     outcome = plain_file.read_json(folder / "outcome.json")
     times = [float(row["time_s"]) for row in read_csv(folder / "agents.csv") if row["outcome"] == "arrived"]
     return outcome["arrived"], outcome["last_arrival_s"], statistics.fmean(times) if times else None

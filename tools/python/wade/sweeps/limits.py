@@ -1,4 +1,4 @@
-"""The closed form of who holds against the water.
+"""The closed form of the fastest stream that an agent can walk against.
 
 Eq. 9 in a uniform stream: an agent that walks with v_B straight against v_F moves at
 (m_a v_B - tau m_c v_F) / (m_a + tau m_c), which is positive if and only if v_F < v_B m_a / (tau m_c). The mean contact
@@ -9,7 +9,7 @@ import math
 
 from wade import UsageError
 
-FREE_SHARE = 0.989  # of the desired speed at which a free agent walks with the speed rule `pi`
+FREE_SHARE = 0.989  # walking speed of a free agent over its desired speed, with the speed rule `pi`
 
 
 def ends(value):
@@ -29,7 +29,7 @@ def in_words(value):
 
 
 def given_tau(group):
-    """tau of a group of a resolved scene. UsageError of people who answer the water by their bodies and have none."""
+    """Returns tau of a group of a resolved scene. Raises UsageError for groups without tau (response `measured`)."""
     if "tau" not in group:
         raise UsageError(f"/crowd/groups: \"{group.get('name', '')}\" has no tau, as /crowd/response is \"measured\": Eq. 9 and its "
                          "limits are of people with a given tau; give the group one, or set /crowd/response to \"paper\"")
@@ -55,7 +55,7 @@ def contact_mass(scene, depth=None):
 
 
 def limit_velocity(mass, walking, tau, contact):
-    """v_F at which an agent just holds its ground, m/s; infinite for tau 0."""
+    """Returns the v_F that an agent just withstands, m/s; infinite for tau 0."""
     return math.inf if tau == 0 else walking * mass / (tau * contact)
 
 
@@ -68,10 +68,10 @@ def limits_of(scene, depth=None):
 
 
 def loss_velocity(scene, tau):
-    """v_F at which the first group, on average, drifts as far as the fall while it heads straight across, m/s.
+    """Returns the v_F, m/s, that carries the first group, on average, to the outfall while it heads straight across.
 
     With k = tau m_c / (m_a + tau m_c) an agent moves at (1 - k) v_B across the channel and drifts at k v_F.
-    tau: a number; of a mass that is drawn the mean counts.
+    tau: a number; a mass that is drawn counts with its mean.
     """
     if tau == 0:
         return math.inf
@@ -85,7 +85,7 @@ def loss_velocity(scene, tau):
 def of_limit(scene, tau=None, velocity=None, depth=None):
     """v_F over the limit for the first group of a scene: above 1 an agent cannot walk against the stream.
 
-    Of a tau or a mass that is drawn the mean counts.
+    A tau or a mass that is drawn counts with its mean.
     """
     group = scene["crowd"]["groups"][0]
     tau = middle(given_tau(group) if tau is None else tau)

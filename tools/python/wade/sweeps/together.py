@@ -1,11 +1,11 @@
 """Who keeps the feet hand in hand, and who alone: the same people in the same water, with their hands and without.
 
 Each seed draws people anew. They stand or walk through the water of one server twice: as SCENE has them, and with
-`hand_in_hand` `none` in all groups. Who never toppled, floated, was carried or drowned has kept the feet; who never slid
-either has stood firm. Writes DIR/together.csv with a line a group, measure and seed, and prints a table: means over the
-seeds; the difference with the 95 % interval of a paired bootstrap over seeds; who did it in one way only, and how likely
-chance alone makes these two so different (exact test of McNemar 1947). That test counts people as independent, which those
-of a chain are not: the interval does not.
+`hand_in_hand` `none` in all groups. People that never toppled, floated, were carried or drowned have kept the feet;
+people that never slid either have stood firm. Writes DIR/together.csv with a line a group, measure and seed, and prints
+a table: means over the seeds; the difference with the 95 % interval of a paired bootstrap over seeds; the people that
+did it only with or only without hands, and how likely chance alone makes these two so different (exact test of McNemar
+1947). That test counts people as independent, which people of a chain are not: the interval does not.
 """
 
 import json
@@ -30,7 +30,7 @@ PATIENCE_S = "300"  # of either program: many crowds take long to set up, and th
 
 
 def mcnemar(only_together, only_alone):
-    """Two-sided probability that a fair coin divides those who differ at least so unevenly."""
+    """Returns the two-sided probability that a fair coin divides the pairs that differ at least so unevenly."""
     trials, less = only_together + only_alone, min(only_together, only_alone)
     tail = sum(math.comb(trials, k) for k in range(less + 1)) / 2**trials
     return min(1.0, 2 * tail)

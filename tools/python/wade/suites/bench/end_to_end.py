@@ -20,7 +20,7 @@ from wade.reports.files import complain
 PEOPLE_5000 = ("--set", "/crowd/response=measured", "--set", "/coupling/two_way=true",
                "--set", "/channel/z_min_m=0", "--set", "/channel/z_max_m=51",
                "--set", "/fluid/particle_spacing_m=0.37", "--set", "/fluid/max_particles=125000")
-# Name, scene, simulated time to which the run is cut (None: to its end), rounds, options; with --quick those of QUICK only.
+# Name, scene, end of the run in simulated s (None: the scene's), rounds, options; --quick runs those of QUICK only.
 RUNS = (
     ("end_to_end/s05", "configs/paper/s05.json", None, 3, ()),
     ("end_to_end/s05_depth_1", "configs/paper/s05.json", None, 3, ("--set", "/lockstep_depth=1")),
@@ -31,8 +31,8 @@ RUNS = (
 )
 SAME_FRAMES = {"end_to_end/s05", "end_to_end/s05_depth_1"}  # how far the water is ahead changes no bit
 QUICK = {"end_to_end/s05": 20}
-# What all threads give where others want the processors too, over what one thread gives there: (name, how many pairs at once,
-# programs beside that never rest). Both by the river of S5, cut to so many simulated seconds.
+# Speed of all threads over that of one thread while others use the processors, too: (name, number of pairs at once,
+# number of busy programs beside them). Both run the river of S5 up to SHARED_UNTIL simulated seconds.
 SHARED = (("end_to_end/beside_busy_programs", 1, os.cpu_count()), ("end_to_end/pairs_at_once", os.cpu_count(), 0))
 SHARED_SCENE, SHARED_UNTIL, SHARED_ROUNDS = "configs/river/s05.json", 8, 5
 # The town: 1,000,000 cells, 10,000 people in 840 houses below a dam that breaks.
@@ -180,7 +180,7 @@ def shared_result(name, pairs, programs):
 
 
 def measure(only, quick, threads):
-    """Results of the runs whose names begin with `only`, and whether all went well."""
+    """Returns the results of the runs with names that begin with `only`, and whether all went well."""
     results, well, hashes = [], True, set()
     for name, pairs, programs in SHARED:
         if name.startswith(only) and threads is None and not quick:

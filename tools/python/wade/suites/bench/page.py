@@ -33,10 +33,12 @@ STAGE = "_ns_per_particle_step"
 ALONE = ("machine/fma_peak", "machine/stream")
 SWEEPS = ("kernels/pressure_sweep", "kernels/rate_sweep", "kernels/kernel_sweep")
 
-# A pair costs a pressure or rate sweep this many vector operations a lane at least: three differences of places, the factor
-# widened from 16 bits, moved to its lane (two) and turned into a number, its product with the scalar, three multiply-adds.
+# Least number of vector operations a lane for a pair in a pressure or rate loop over neighbours: three differences of
+# positions; the factor widened from 16 bits, moved to its lane (two) and turned into a number; its product with the
+# scalar; three multiply-adds.
 OPERATIONS_OF_A_PAIR = 11
-# What a sweep reads and writes of a particle beside the lists: place, scalar or velocity, sums; 4 bytes each.
+# What a loop over neighbours reads and writes of a particle beside the lists: position, scalar or velocity, sums; each
+# number has 4 bytes.
 BYTES_OF_A_PARTICLE = 28
 
 

@@ -1,15 +1,15 @@
 """How far survival depends on numerics: shares of outcomes and times over rates, cells and spacings, one at a time.
 
-Each scene runs with its reference values and with one numerical factor at another value, by the same seeds. Of each
-share of people (safe, lost, off their feet, no end yet) and of the times by which half and nine tenths of the ends had occurred, the
-paired difference has an interval of 95 % (bootstrap over seeds): equal where it lies within 3 points, or 5 % of the
+Each scene runs with its reference values and with one numerical factor at another value, by the same seeds. Measures
+are the shares of people (safe, lost, off their feet, no end yet) and the times until half and nine tenths of the ends.
+A paired difference has an interval of 95 % (bootstrap over seeds): equal where it lies within 3 points, or 5 % of the
 time; different where it lies outside; else undecided, which asks for more seeds, up to --most-seeds. --quick: single persons in
 steady water, one seed; outcomes and states must be the same.
 
-Physical choices (the law of walking in water, one or two ways, bodies) are varied likewise; their differences are reported with
-intervals and have no limit. --factors 'walking law' runs one of them alone.
+Physical choices (the law of walking in water, one-way or two-way coupling, bodies) are varied likewise. Their
+differences are reported with intervals and have no limit. --factors 'walking law' runs one of them alone.
 
-A value of which `--check` warns has a remedy: the report says so, and gives its differences apart (crowds only).
+If `--check` warns of a value, it names a remedy: the report says so, and gives its differences apart (crowds only).
 
 What is complete is not run again, so that the suite goes on where it was interrupted; --quick starts anew.
 Exit code 1: a share or a time is different without a warning.
@@ -143,7 +143,7 @@ def tell_how_far(many, log, name):
 
 
 def run_plan(scene, settings, places, out, *words):
-    """Runs each setting and seed of places, with these options; {setting: {seed: lines of agents.csv}}."""
+    """Runs each (setting, seed) of `places` with these options; returns {setting: {seed: lines of agents.csv}}."""
     plan = [PlannedRun(k + 1, scene, seed, settings[key]) for k, (key, seed) in enumerate(places)]
     file = out.with_suffix(".csv")
     write_whole(file, plan_text(plan))

@@ -1,6 +1,6 @@
 """How often the model that "auto" chooses keeps the error that was asked for, in scenes its table does not know.
 
-Runs fifteen scenes (configs/model_choice), none of which the table of the choice was measured with:
+Runs fifteen scenes (configs/model_choice) that were not used to measure the table of the choice:
 rivers, fronts, blocks, emitters, a slope. Each with /fluid/model "auto" and a max_impulse_error of
 0.05, 0.1 and 0.3, with the default settings, and with a fine spacing as the truth. About ten
 minutes; a run that is there, of the same scene and settings, is not repeated: after a change of a

@@ -1,7 +1,7 @@
-"""The table from which the server chooses a model, fluid_server/model_choice/table.csv, and what it is made of.
+"""Writes fluid_server/model_choice/table.csv, the table of the server's choice of a model, from measurements.
 
-tests/validation/data/model_choice.csv holds the measurements: those of dfsph and of the kinematic stream by speed-vs-error,
-with which the choices were checked, and what that lacks, measured here.
+tests/validation/data/model_choice.csv holds the measurements. speed-vs-error made those of dfsph and of the kinematic
+stream, which also checked the choices. This module measures the rest.
 """
 
 import csv
@@ -101,7 +101,7 @@ def measured_row(point, folder):
 
 
 def measure(folder):
-    """Measures anew what speed-vs-error lacks, and keeps the rows that are of that."""
+    """Measures anew what speed-vs-error lacks, and keeps the rows of speed-vs-error."""
     rows = [row for point in points() if (row := measured_row(point, folder))]
     rows += [row for row in read_csv(MEASURED) if row["source"] == "speed-vs-error"]
     write_csv(MEASURED, COLUMNS, rows)
@@ -133,9 +133,9 @@ def wave_speed(kind):
 
 
 def beyond_finest(kind, model, spacing):
-    """By how much the error of dfsph is larger than that against a finest run, which has an error itself.
+    """Returns the error of dfsph over its error against the finest run, which has an error itself.
 
-    If errors are proportional to the spacing, the distance of two runs is the share 1 - d_finest / d of the coarser's error.
+    If errors are proportional to the spacing, two runs differ by 1 - d_finest / d times the coarser one's error.
     """
     return 1 / (1 - SCENES[kind][2] / spacing) if model == "dfsph" else 1.0
 

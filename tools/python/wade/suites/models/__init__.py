@@ -2,8 +2,8 @@
 
 Runs each validation case that a model can run (a case refuses the others by itself), nothing changed
 but /fluid/model, one run at a time in one thread. Writes report.md, with a plot and with grades that
-follow from the numbers by rule, and models.csv. A run that is complete and whose program and scenes
-are the same is not repeated. Some hours, most of them for DFSPH; with --quick the quick cases at one
+follow from the numbers by rule, and models.csv. A complete run of the same program and scenes is
+not repeated. Some hours, most of them for DFSPH; with --quick the quick cases at one
 resolution each. Table 1 of the paper by a model: tools/wade paper --model NAME --parts table1.
 
 Exit code 1: a run failed; 2: wrong options; 130, 143:

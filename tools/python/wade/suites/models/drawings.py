@@ -8,7 +8,7 @@ from matplotlib.ticker import NullFormatter
 from wade.reports.plots import COLOURS, INK, pyplot, save
 from wade.suites.models.outcomes import COMPLETED, missed, worst
 
-# One colour a model in all pictures, that of its place here; a model of another name comes after them.
+# One colour a model in all pictures, by its index here; a model of another name comes after them.
 ORDER = ("dfsph", "shallow_water", "steering", "kinematic", "mixed")
 MARKS = {"coarse": "o", "medium": "s", "fine": "D"}
 ACROSS = 4
@@ -31,7 +31,7 @@ def model_words(model):
 
 
 def compared_cases(outcomes, limits):
-    """Cases in which at least two models have an error to compare, in their order."""
+    """Returns the cases with an error to compare from at least two models, in their order."""
     by_case = {}
     for o in outcomes:
         if o.status == COMPLETED and o.cost is not None and worst(o, limits) is not None:

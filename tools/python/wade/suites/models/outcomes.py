@@ -158,8 +158,8 @@ def seconds_expected(coarser, spacing):
 def run_cases(plan, models, runner):
     """[Outcome] of a plan of (case, level), for each model.
 
-    A finer run that is expected to take more CPU time than the runner's limit is left out, and so is one whose model the
-    case has refused.
+    A finer run is left out if it is expected to take more CPU time than the runner's limit, or if the case refused its
+    model before.
     """
     found = {}
     for case, level, model in progress.over([(*place, model) for place in plan for model in models], "runs cases by models"):

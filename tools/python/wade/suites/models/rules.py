@@ -75,8 +75,8 @@ def only_guarded(case, reasons):
 
 
 def limits_of_people(outcomes, limits, reasons):
-    """The limits by which models are graded. Where those of a case are only guards, the error of DFSPH at the same
-    resolution takes their place, with what chance may do to it: 1.1 times the median error of the impulse."""
+    """Returns the limits for grading the models. A case with guards only has a limit from DFSPH at the same
+    resolution: 1.1 times its median error of the impulse, which allows for chance, or the guard if that is smaller."""
     graded = dict(limits)
     for o in complete(outcomes, model="dfsph"):
         error = o.value(IMPULSE)

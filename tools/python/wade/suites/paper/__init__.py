@@ -6,8 +6,8 @@ friction, with four layers of particles, about ten times the cost). One run of t
 crowds of a water. Writes report.md, table1.csv and pictures, and prints the report; the part measured
 has a page of its own, measured.md, and alone leaves the report as it is.
 
-DIR/runs.jsonl keeps what each run came to, a line each: a crowd that is there, or complete as a
-folder in DIR, and whose scene is still the same is not run again, whichever version of the programs
+DIR/runs.jsonl keeps what each run came to, a line each. A crowd that is there, or complete as a
+folder in DIR, is not run again if its scene is still the same, whichever version of the programs
 ran it; the report names their commits. Run folders hold what pictures in the paper's style need;
 without them such a picture stays as it was drawn before. What was not run has no part in the report.
 
@@ -83,7 +83,7 @@ def wanted_cases(chosen):
 
 
 def wants_plane(chosen):
-    """The sweep over depth and v_F; of runs that are cut short it would say nothing."""
+    """Returns true if the sweep over depth and v_F is wanted; runs that are cut short would say nothing."""
     return "plane" in chosen.parts and "observed" in chosen.sets and chosen.until_s is None
 
 

@@ -18,7 +18,7 @@ TIMES = {
     "S7": (0.75 * 97, 1.25 * 97, 50, 50),
     "S10": (0.5 * 140, 1.5 * 140, 50, 50),
 }
-# The paper has one run a scenario. "All" and "nobody" are read as a mean that rounds to that: one agent in two runs.
+# The paper has one run a scenario. Its "all" and "none" are taken as means that round to that: one agent in two runs.
 SLACK = 0.5
 NOBODY = ("S8", "S9", "S11", "S12")
 SWITCH_TIME_S = (60, 90)
@@ -74,7 +74,7 @@ def judge_scenario(scenario, result):
 
 
 def count_in_words(judgements):
-    """"5 of 7", of those that could be judged."""
+    """Returns how many of the judged bands hold, "5 of 7"; "-" if none was judged."""
     judged = [judgement.holds for judgement in judgements if judgement.holds is not None]
     return f"{sum(judged)} of {len(judged)}" if judged else "-"
 
@@ -133,7 +133,7 @@ def judge_lee(lee):
 
 
 def crossing_of(name, result):
-    """Arrivals of those who cross the river: all, where there is no other group."""
+    """Returns the arrivals of the group that crosses the river: all agents, where there is no other group."""
     return result.arrived_of("walkers") if name == "two groups" else result.arrived
 
 
@@ -167,7 +167,7 @@ def arrived_of(result):
 
 
 def outcome(result):
-    """"93.0 s", with how many arrive if not all do; "nobody"."""
+    """Returns "93.0 s", with the number of arrivals if not all arrive; "nobody" without arrivals."""
     if result is None:
         return "-"
     if result.arrived[0] == 0:
@@ -176,7 +176,7 @@ def outcome(result):
 
 
 def crossing(result):
-    """Arrivals of those who cross the river where two groups walk, of 50."""
+    """Returns the arrivals of the group that crosses the river, of 50, where two groups walk."""
     return "-" if result is None else in_words(result.arrived_of("walkers"))
 
 

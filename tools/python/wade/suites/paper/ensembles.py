@@ -105,7 +105,7 @@ class Ensembles:
         return self.store.find(case.key, seed, self.programs.scene_of(case, seed)) if self.store else None
 
     def run(self, wanted):
-        """Runs cases with their first seeds, and those whose intervals are still wide with more.
+        """Runs cases with their first seeds, and adds seeds while their intervals are still wide.
 
         wanted: {case: (seeds of a round, most seeds)}.
         """
@@ -150,7 +150,7 @@ class Ensembles:
         return bool(runs) and precise_enough([run.outcome["arrived"] for run in runs], runs[0].outcome["agents"], times)
 
     def run_water(self, water, batch):
-        """One run of the fluid for what is missing of these cases and seeds; false if it failed."""
+        """Runs the fluid once for the missing runs of these cases and seeds; returns false if that failed."""
         missing = [run for run in batch if not self.has(*run)]
         code = self.run_crowds(water, missing) if missing else 0
         if self.pair.signal:
@@ -168,7 +168,7 @@ class Ensembles:
         return self.out / water.key / "run.log"
 
     def run_crowds(self, water, missing):
-        """One pair for all who share the water, and one for each who pushes it; returns the first exit code but 0."""
+        """Runs one pair for all one-way crowds, and one for each two-way crowd; returns the first exit code but 0."""
         pushing = [run for run in missing if self.programs.scene_of(*run)["coupling"].get("two_way")]
         shared = [run for run in missing if run not in pushing]
         return (self.run_shared(water, shared) if shared else 0) or self.run_alone(water, pushing)
@@ -216,8 +216,8 @@ class Ensembles:
                     complain(f"{water.key}: {said[-1] if said else 'starts'}")
 
     def keeps_pictures(self, case, seed):
-        """Whether a run keeps its paths and pictures of its water: the first seed of scenes as they are, and of the
-        obstacle, whose lee is seen in the water."""
+        """Returns true if a run keeps its paths and pictures of its water: the first seed of unchanged scenes and of
+        the obstacle, as the lee is measured in the water."""
         plain = not case.changes and not case.water.changes
         return self.keep_all or (seed == 1 and (plain or case.name == "obstacle"))
 
@@ -247,7 +247,7 @@ class Ensembles:
 
 
 class OwnWaters(Ensembles):
-    """Each crowd in a run of its own, of water that follows its people."""
+    """Runs each crowd in a water of its own, for models with water that follows the people."""
 
     def run_crowds(self, water, missing):
         return self.run_alone(water, missing)

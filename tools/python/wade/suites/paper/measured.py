@@ -1,4 +1,4 @@
-"""measured.md: the paper's crowds of people who answer the water by their bodies; what was not run is left out."""
+"""Writes measured.md: the paper's crowds with the response `measured`; what was not run is left out."""
 
 import statistics
 from collections import Counter
@@ -28,12 +28,12 @@ LEFT_OUT = (
     "Who can sit but not stand up where it is sits until the water lets it stand, or drowns it where its mouth is under (0.5 H): at "
     "400 s the rest is *in the water*. Who keeps the feet and does not arrive stands behind them on the bank.",
     "People are alike, 1.70 m and 65 kg, half of them women, who walk slower in water. The goal radius is that of S1.")
-FATES_AT = (0.5, 0.75, 1.0, 1.5)  # m/s; in faster water nobody keeps on the feet
+FATES_AT = (0.5, 0.75, 1.0, 1.5)  # m/s; in faster water all people lose their feet
 FATES = ("kept their feet", "slid", "off their feet", "arrive", "over the fall", "drowned", "in the water")
 
 
 def people_in(result, groups=None):
-    """Of each run what is kept of its people, of some groups or all: (groups of the record)."""
+    """Returns, for each run, the records of its groups, some or all."""
     return [[of_group for name, of_group in run.outcome["people"].items() if groups is None or name in groups]
             for run in result.runs]
 
@@ -51,7 +51,7 @@ def fates(result, groups=None):
 
 
 def off_feet(result, groups=None):
-    """(mean, low, high) of those who lose their feet in a run."""
+    """Returns (mean, low, high) of the number of people that lose their feet in a run."""
     numbers = [sum(of_group["worst"].get(name, 0) for of_group in of_run for name in OFF_FEET)
                for of_run in people_in(result, groups)]
     some = people_in(result, groups)[0]
@@ -59,14 +59,14 @@ def off_feet(result, groups=None):
 
 
 def tau_of(result):
-    """Mean over the people who met water of their mean tau in it; None if nobody did."""
+    """Returns the mean over people that met water of their mean tau in it; None without such people."""
     known = [of_group["tau"] for of_run in people_in(result) for of_group in of_run if of_group["tau"][0]]
     wet = sum(number for number, _ in known)
     return sum(number * tau for number, tau in known) / wet if wet else None
 
 
 def fate_words(result, *groups):
-    """"41.2 (39.0 to 43.1); 3.1 (2.0 to 4.6)": who arrives, and who loses its feet; of some groups or all."""
+    """Returns arrivals and people off their feet, of some groups or all: "41.2 (39.0 to 43.1); 3.1 (2.0 to 4.6)"."""
     if result is None:
         return "-"
     arrived = result.arrived_of(groups[0]) if groups else result.arrived
@@ -75,7 +75,7 @@ def fate_words(result, *groups):
 
 
 def number_words(interval, people):
-    """Mean and interval, of all or nobody the number alone."""
+    """Returns mean and interval in words; the number alone for no people and for all people."""
     return f"{interval[0]:.0f}" if interval[0] in (0, people) else in_words(interval)
 
 
@@ -120,7 +120,7 @@ def summary_section(context):
 
 
 def falls_words(river):
-    """The slowest water in which more than half of a skill lose their feet."""
+    """Returns, for each skill, the slowest water that takes more than half of the people off their feet."""
     words = []
     for skill in plan.SKILLS:
         speeds = sorted(v for v, of in river if of == skill and off_feet(river[v, of])[0] > 0.5 * river[v, of].agents)
@@ -129,7 +129,7 @@ def falls_words(river):
 
 
 def topple_words(river):
-    """Where most lose their feet though the feet do not slip."""
+    """Returns where most people lose their feet although the feet do not slip."""
     firm = {key: off_feet(result)[0] for key, result in river.items() if (tau := tau_of(result)) is not None and tau < 0.01}
     velocity, skill = max(firm, key=firm.get, default=(None, None))
     if not firm or firm[velocity, skill] == 0:
@@ -139,7 +139,7 @@ def topple_words(river):
 
 
 def paper_words(paper, velocity):
-    """Who arrives by the tau that is given, "0: 50, 0.2: 50"."""
+    """Returns the paper's arrivals by the given tau, "0: 50, 0.2: 50"."""
     rows = [paper[name] for name in plan.SCENARIOS if plan.velocity_of(name) == velocity]
     return ", ".join(f"{float(row['tau']):g}: {shown(row['arrived'])}" for row in rows)
 
@@ -163,7 +163,7 @@ def waters_section(context):
 
 
 def speeds_section(context):
-    """Who arrives and who loses its feet over v_F, and the figure."""
+    """Returns the section on arrivals and lost feet over v_F, and draws its figure."""
     results = results_of(context, "river")
     if not results:
         return ""
@@ -182,7 +182,7 @@ def draw(results, speeds, file):
                                                       ("v_F in 1 m of water, m/s", "lose their feet, of 50")))
     for index, skill in enumerate(plan.SKILLS):
         of_skill = [results.get((velocity, skill)) for velocity in speeds]
-        # Lines that lie on one another are told apart by their place.
+        # A shift along v_F separates lines that coincide.
         places = [velocity + 0.012 * (index - 2) for velocity in speeds]
         error_bars(arrive, places, [one and one.arrived for one in of_skill], skill, index)
         error_bars(topple, places, [one and off_feet(one) for one in of_skill], skill, index)
@@ -228,17 +228,17 @@ WAY_WORDS = {(False, False): "one way", (False, True): "one way, shelter", (True
 
 
 def pushed(context):
-    """[(who, skill, v_F, {ways: Result or None})] of those cases that were run."""
+    """Returns [(crowd, skill, v_F, {(two_way, shelter): Result or None})] of the cases that were run."""
     cases = [(name, skill, velocity, True) for name in plan.PUSHING for skill, velocity in plan.PUSHED_AT]
     cases += [(*case, False) for case in plan.ON_PARTICLES]
     for name, skill, velocity, cells in cases:
         found = {ways: context.get(plan.measured_pushing(name, velocity, skill, *ways, cells=cells)) for ways in plan.WAYS}
-        if any(one for ways, one in found.items() if cells or any(ways)):  # one way on particles is part of Table 1
+        if any(one for ways, one in found.items() if cells or any(ways)):  # one-way on particles is part of Table 1
             yield PUSHED[name] + ("" if cells else ", particles"), skill, velocity, found
 
 
 def two_way_words(context):
-    """The case in which both ways and shelter change most, and what a block of people does."""
+    """Returns the case that two-way coupling and shelter change most, and the effect of a block of people."""
     changes = []
     for who, skill, velocity, found in pushed(context):
         if found[False, False] and found[True, True]:
@@ -255,7 +255,7 @@ def two_way_words(context):
 
 
 def staying_words(context):
-    """Who stands before the block of people or among it at the end."""
+    """Returns how many people stand before the block of people or among it at the end."""
     lines = []
     for who, skill, _, found in pushed(context):
         if who == PUSHED["obstacle_of_people"] and all(found.values()):

@@ -47,7 +47,7 @@ def has_paths(folder):
 
 
 def note_what_is_seen(run):
-    """Adds to the record of a run what the report reads from its paths and its water, which take too much room."""
+    """Adds the path hash and the lee to the record of a run, as its paths and its water are too large to keep."""
     if run.scenario in DRY and has_paths(run.folder):
         run.outcome["path_hash"] = path_hash(run.folder)
     length = lee_length(run) if run.scene["obstacles"] and (run.folder / "water.bin").exists() else None
@@ -102,10 +102,10 @@ def draw_figures(results, sets, out, pair):
 
 
 def lee_length(run, time=LEE_AT_S):
-    """Length of the lee behind the first obstacle, m.
+    """Returns the length of the lee (wake) behind the first obstacle, m; None without water or obstacle.
 
-    It is that of all pieces of the river downstream of it whose middle, over half the obstacle's width, has less than a
-    quarter of the water that passes beside it.
+    The lee is made of 2 m pieces of the river downstream of the obstacle. A piece counts if its mean depth, over the
+    middle half of the obstacle's width, is less than a quarter of that beside the obstacle.
     """
     water = read_water(run.folder / "water.bin", time)
     if water is None or not run.scene["obstacles"]:

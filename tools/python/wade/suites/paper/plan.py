@@ -9,13 +9,13 @@ from pathlib import Path
 
 from wade.paths import CONFIGS
 
-KINEMATIC = ("observed",)  # sets whose water is not solved
+KINEMATIC = ("observed",)  # sets with prescribed water, not solved
 SCENARIOS = tuple(f"S{i}" for i in range(1, 13))
 V_F = {0: 0.5, 1: 1.5, 2: 2.5}  # m/s, S1, S2, S3, then again
 OTHERS_V_F = {"two_groups": 1.5, "no_obstacle": 1.5, "tau_switch": 2.5}  # m/s
 SETS = ("observed", "paper", "river", "manning")
 QUICK = ("S1", "S4", "S5", "S8")
-PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios in which a reading can be told from another
+PUSHED = ("S4", "S5", "S6", "S7", "S8", "S10")  # scenarios that distinguish one interpretation from another
 OTHERS = ("two_groups", "no_obstacle", "obstacle", "tau_switch")
 PHASE_TAU = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0)
 PHASE_V_F = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 2.5, 3.0)  # m/s
@@ -31,10 +31,10 @@ MEASURED_V_F = {"river": (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5), "observed": PAPE
 QUICK_V_F = (0.5, 1.5)  # m/s
 OBSTACLE_V_F = 1.5  # m/s
 MEASURED_OTHERS = tuple((name, v) for v in (1.5, 0.75) for name in ("two_groups", "obstacle", "no_obstacle"))
-PUSHING = ("S5", "no_obstacle", "obstacle_of_people")  # scenes with people who push
+PUSHING = ("S5", "no_obstacle", "obstacle_of_people")  # scenarios of two-way coupling
 PUSHED_AT = (("normal", 0.75), ("braced", 1.0))  # skill, m/s: where some arrive and some do not
 WAYS = tuple((two_way, shelter) for two_way in (False, True) for shelter in (False, True))
-ON_PARTICLES = (("S5", "normal", 0.75),)  # the same by dfsph, ten times as dear; the crowd of Table 1 only
+ON_PARTICLES = (("S5", "normal", 0.75),)  # the same by dfsph, ten times as expensive; the crowd of Table 1 only
 CELLS = (("/fluid/model", "shallow_water"), ("/fluid/shallow_water/cell_size_m", 0.5))
 FINE = ("S5", "S8", "S11", "two_groups")  # what v_F 1.5 m/s has to compare
 
@@ -59,7 +59,7 @@ class Case:
 
     water: Water
     name: str
-    scene: Path  # whose crowd, coupling and events it has
+    scene: Path  # source of its crowd, coupling and events
     changes: tuple = ()  # of (JSON pointer, value), of crowd, coupling and events
 
     @property
@@ -98,7 +98,7 @@ def scenario_case(scene_set, scenario, suffix="", water_changes=()):
 
 
 def other_case(scene_set, scenario, suffix="", water_changes=()):
-    """A scenario beside Table 1; those without solids and with the river in its place share its waters."""
+    """Returns a scenario beside Table 1; those without solids and with the same river share the waters of Table 1."""
     scene = scene_of(scene_set, scenario)
     if scenario in ("obstacle", "village", "agents_5000", "fine"):
         return Case(Water(scene_set, scenario + suffix, scene, water_changes), scenario, scene)
@@ -139,7 +139,7 @@ def continuous_cases(scene_set):
 
 
 def water_readings(scene_set):
-    """{what: (suffix, changes of the water)} of the readings that need waters of their own."""
+    """Returns {what: (suffix, changes of the water)} of the interpretations that need waters of their own."""
     readings = {}
     for spacing in SPACINGS:
         changes = ("/fluid/particle_spacing_m", spacing), ("/fluid/max_particles", MAX_PARTICLES)
@@ -165,12 +165,12 @@ def reading_of(scene_set, suffix, changes):
 
 
 def emitter_case(scenario, push):
-    """A scenario of Table 1 in a dry start whose water is faster."""
+    """Returns a scenario of Table 1 with a dry start and faster water."""
     return scenario_case("paper", scenario, f"push{push:g}", faster(scenario, push))
 
 
 def emitter_cases(scene_set, push):
-    """The scenarios that the water pushes, and two groups, in a dry start whose water is faster."""
+    """Returns the scenarios that the water pushes, and two groups, with a dry start and faster water."""
     if scene_set != "paper":
         return []
     groups = other_case(scene_set, "two_groups", f"-push{push:g}", faster("two_groups", push))
@@ -181,7 +181,7 @@ def reading_cases(scene_set):
     cases = [case for push in EMITTER_PUSHES for case in emitter_cases(scene_set, push)]
     for suffix, changes in water_readings(scene_set).values():
         solved = suffix in ("g9.81", "filled",
-                            "d0.5") and scene_set != "manning"  # whose spacing is what its depth needs
+                            "d0.5") and scene_set != "manning"  # its depth sets its spacing
         if scene_set in KINEMATIC or solved:
             cases += reading_of(scene_set, suffix, changes)
     return cases
@@ -231,7 +231,7 @@ def measured_other(scenario, velocity, skill):
 
 
 def measured_pushing(scenario, velocity, skill, two_way, shelter, cells=True):
-    """People who push the water or not, who shelter one another or not, in a river of cells or of particles."""
+    """Returns a crowd with or without two-way coupling and shelter, in a river of cells or of particles."""
     if not (cells or two_way or shelter):
         return measured_case("river", velocity, skill)  # of ON_PARTICLES, which are crowds of Table 1
     suffix = f"measured-{skill}" + ("-pushes" if two_way else "") + ("-wake" if shelter else "")
@@ -241,7 +241,7 @@ def measured_pushing(scenario, velocity, skill, two_way, shelter, cells=True):
 
 
 def measured_seeds(case, seeds):
-    """Fewer where people push the water, as each crowd wants a run of it."""
+    """Returns the number of seeds: fewer with two-way coupling, as each crowd needs a run of the water."""
     if ("/coupling/two_way", True) not in case.changes:
         return seeds
     return min(seeds, 3 if case.water.changes[-len(CELLS):] == CELLS else 1)
@@ -252,7 +252,8 @@ def by_body(skill):
 
 
 def measured_cases(scene_set, quick=False):
-    """One way in the waters of the paper and between them; two ways, as each crowd needs a water of its own, in few."""
+    """Returns one-way cases in the waters of the paper and between them, and few two-way cases, as each needs its own
+    water."""
     if quick:
         return [measured_case(scene_set, velocity, skill) for velocity in QUICK_V_F for skill in SKILLS[::2]
                 if scene_set == "observed"]

@@ -1,4 +1,4 @@
-"""Sections of report.md on the safety argument: depth times velocity (Table 2 of the paper) beside who arrives.
+"""Sections of report.md on the safety argument: depth times velocity (Table 2 of the paper) beside the arrivals.
 
 What the people of Table 1 meet, and the sweep over the plane of depth and v_F, which `tools/wade depth-sweep` runs.
 """
@@ -30,7 +30,7 @@ def level_words(product):
 
 
 def danger_section(context):
-    """The level of Table 2 of the water asked for and of that met, beside who arrives, for every scenario of Table 1."""
+    """Returns the arrivals of each scenario of Table 1 beside the levels of Table 2, of the water asked for and met."""
     head = ["", "tau", "asked for: H v_F", "level"]
     for scene_set in context.sets:
         head += [f"{SET_UPS[scene_set]}: met", "level", "arrive, %"]
@@ -65,8 +65,8 @@ def value_at(points, target):
 
 
 def half_products(rows):
-    """H v_F at which half of the people arrive, m2/s: for each depth at which that happens between two velocities of the
-    sweep, linear in the logarithm of the velocity; and the number of all depths."""
+    """Returns {depth: H v_F where half of the people arrive, m2/s}, and the number of all depths. Interpolates linearly
+    in the logarithm of the velocity; leaves out depths without such a point between two velocities of the sweep."""
     depths, speeds, share = shares(rows)
     found = {depth: value_at(list(zip(map(math.log, speeds), line)), 0.5) for depth, line in zip(depths, share)}
     return {depth: depth * math.exp(log) for depth, log in found.items() if log is not None}, len(depths)

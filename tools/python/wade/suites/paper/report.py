@@ -10,7 +10,7 @@ from wade.sweeps.limits import limits_of, of_limit
 
 BY_BODY = "The same crowds with a tau that follows from their bodies: [by their bodies](measured.md)."
 WHY = "Why it differs, as far as it is known: [how near to the paper](README.md)."
-LOST = ("S8", "S9", "S11", "S12")  # nobody arrives in the paper
+LOST = ("S8", "S9", "S11", "S12")  # no agent arrives in the paper
 HEAD = """# The paper, reproduced
 
 Schaffer, Antonitsch, Neto, Musse: Towards Animating Virtual Humans in Flooded Environments, MIG 2020, doi 10.1145/3424636.3426900.
@@ -100,7 +100,7 @@ def bands_line(context):
 
 
 def lost_line(context):
-    """Where nobody arrives, as in the paper."""
+    """Returns a line on the scenarios that the paper has no arrivals in."""
     lines = []
     for scene_set in context.sets:
         results = [context.scenario(scene_set, name) for name in LOST]

@@ -29,7 +29,7 @@ class Run:
         return f"{self.outcome['arrived']} of {self.outcome['agents']} arrived{after}; {self.outcome['dead']} dead"
 
     def arrival_times(self, group=None):
-        """Sorted times at which agents of a group, or all, arrived, s."""
+        """Returns the sorted arrival times of the agents of a group, or of all, s."""
         return arrival_times(self.outcome, group)
 
 
@@ -54,8 +54,8 @@ class Result:
 
 
 def mean_water_met(runs):
-    """Means over all agents that met water: the mean depth in which each stood, m, and the mean of its depth times speed
-    over that depth, m/s; (None, None) if none did."""
+    """Returns (depth, m; speed, m/s), means over agents that met water; (None, None) without such agents. The speed of
+    an agent is its mean depth times speed over its mean depth."""
     met = [run.outcome["water_met"] for run in runs if run.outcome["water_met"][0]]
     wet = sum(agents for agents, _, _ in met)
     if not wet:
@@ -115,8 +115,8 @@ def answers_by_body(scene):
 
 
 def people_of(agents):
-    """Of each group who answer the water by their bodies: how many got to which worst state, how many are in which at the
-    end, and [how many met water, their mean of the mean tau, None of nobody]."""
+    """Returns, for each group with the response `measured`, the counts of worst states and of final states, and [number
+    of people that met water, mean of their mean tau or None]."""
     groups = {}
     for agent in agents:
         if agent["worst_state"]:
@@ -132,8 +132,8 @@ def mean_of(values):
 
 
 def groups_of(agents, step_rate):
-    """Of each group how many there are and died, and when the others arrived: the step of the first, then how many steps
-    later each of the next."""
+    """Returns, for each group, the numbers of agents and of dead, and the steps of arrival: that of the first, then the
+    differences."""
     groups = {}
     for agent in agents:
         group = groups.setdefault(agent["group"], {"agents": 0, "dead": 0, "arrival_steps": []})
@@ -148,15 +148,15 @@ def groups_of(agents, step_rate):
 
 
 def arrival_times(record, group=None):
-    """Sorted times at which agents of a group, or all, arrived, s."""
+    """Returns the sorted arrival times of the agents of a group, or of all, s."""
     chosen = record["groups"].values() if group is None else [record["groups"][group]]
     steps = sorted(step for of_group in chosen for step in accumulate(of_group["arrival_steps"]))
     return [step / record["step_rate_hz"] for step in steps]
 
 
 def water_met(agents):
-    """[number of the agents that met water, mean over them of the mean depth in which each stood, m, and of its depth
-    times speed over that depth, m/s], the means None if none did."""
+    """Returns [number of agents that met water, their mean depth, m, their mean speed, m/s]; means None without
+    such agents. The speed of an agent is its mean depth times speed over its mean depth."""
     met = [(float(agent["mean_depth_m"]), float(agent["mean_dv_m2_s"])) for agent in agents]
     wet = [(depth, dv) for depth, dv in met if depth > 0]
     if not wet:

@@ -1,4 +1,4 @@
-"""Sections of report.md on the scenarios beside Table 1, readings, ten times the particles, and who crosses over tau and v_F."""
+"""Sections of report.md on scenarios beside Table 1, readings, ten times the particles, arrivals over tau and v_F."""
 
 import statistics
 

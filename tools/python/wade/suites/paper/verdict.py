@@ -8,7 +8,7 @@ from wade import plain_file
 from wade.reports.tables import section
 
 DRY = ("S1", "S2", "S3")
-DRY_TIME_S = (38, 50)  # last arrival of S1 to S3, whose agents the water cannot push (tau = 0); 46 s in the paper
+DRY_TIME_S = (38, 50)  # last arrival of S1 to S3, where water cannot push the agents (tau = 0); 46 s in the paper
 # Arrivals in the set "river": which numbers hold, and in words.
 RIVER_ARRIVALS = (
     (("S4", "S5"), "all agents arrive", lambda arrived, agents: arrived == agents),
@@ -19,7 +19,7 @@ RIVER_ARRIVALS = (
 
 @dataclass
 class Check:
-    """One sentence, and the runs for which it does not hold, each with what was found instead."""
+    """A condition as a sentence, and the runs that break it, each with what was found instead."""
 
     sentence: str
     exceptions: list

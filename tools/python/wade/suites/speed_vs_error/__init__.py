@@ -83,7 +83,7 @@ def sweep(runner, case, spacing, factors):
 
 
 def compared(points):
-    """(setting, cost, error) of those that have the main error of their case."""
+    """Returns (setting, cost, error) of the dfsph points that have the main error of their case."""
     solved = [(p, error_of(p.metrics, ERRORS[p.setting.case][0])) for p in points if p.setting.model == "dfsph"]
     return [(p.setting, p.cpu, error) for p, error in solved if error is not None]
 

@@ -119,7 +119,7 @@ def run_all(scenes, labels, programs, folder, repeats):
 
 
 def worse_errors(point, peer):
-    """The errors of its kind in which a point is worse than the peer, by words."""
+    """Returns the names of the errors that are larger for a point than for the peer."""
     both = ((name, point.error(name), peer.error(name)) for name in ERRORS[point.scene.kind])
     return [name for name, ours, its in both if None not in (ours, its) and ours > its]
 

@@ -15,7 +15,7 @@ from wade.paths import ROOT
 from wade.reports.files import complain, say, write_whole
 from wade.reports.jobs import read_result
 
-WALKING = ("outcome_", "end_")  # metrics of people who walk begin so
+WALKING = ("outcome_", "end_")  # metrics of walking people begin so
 
 
 @dataclass
@@ -114,8 +114,8 @@ def summary(setting, documents):
 def of_seeds(setting, runs):
     """One point of the runs of a model with several seeds.
 
-    Its costs are medians. So are its errors, but for those of people who walk: the seed moves their markers too, and the
-    truth is that of one crowd, the scene's, which the first run has.
+    Its costs and errors are medians. Errors of walking people are those of the first run: the seed moves their markers,
+    too, and the truth belongs to the scene's crowd, which only the first run has.
     """
     failed = next((run for run in runs if run.failure), None)
     if failed:

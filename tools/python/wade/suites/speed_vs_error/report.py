@@ -1,4 +1,4 @@
-"""report.md: what to choose for which error, where the default lies, and what the numbers are made of; and its plots
+"""report.md: what to choose for a given error, where the default lies, and what the numbers are made of; and its plots
 of error over cost, with the front drawn and labelled.
 """
 
@@ -55,7 +55,7 @@ def has_plot(group):
 
 
 def plot(group, file):
-    """Draws one group. Errors of 0 have no place on a logarithmic axis and are left out; the table has them."""
+    """Draws one group. Errors of 0 do not fit on a logarithmic axis and are left out; the table has them."""
     figure, axes = pyplot.subplots(figsize=(8.8, 4.4))
     shown = [(p, e, f) for p, e, f in zip(group.points, group.errors, group.flags) if e is not None and e > 0]
     spacings = sorted({p.setting.spacing for p in group.points}, reverse=True)
@@ -247,7 +247,7 @@ RATIO_LIMIT = 10  # a ratio of errors counts no more than this, so that an error
 
 
 def beyond_chance(error, lo, hi):
-    """An error over that of the default, whose error is lo to hi by chance: 1 within that range."""
+    """Returns an error over that of the default, which chance varies from lo to hi: 1 within that range."""
     if error > hi:
         return min(error / hi, RATIO_LIMIT) if hi > 0 else RATIO_LIMIT
     if error < lo:
@@ -287,7 +287,7 @@ def mean_by_case(rows, column):
 
 
 def overall_section(groups):
-    """Settings that were measured in all cases in which the default was; empty if there is no such case."""
+    """Returns the section on settings that were measured in every case of the default; "" without such a case."""
     found = comparisons(groups)
     cases = {row[0] for rows in found.values() for row in rows}
     complete = {label: rows for label, rows in found.items() if {row[0] for row in rows} == cases}
@@ -311,7 +311,7 @@ def overall_section(groups):
 
 
 def with_section(text, part):
-    """A report with the section in place of the one that it has, or at its end."""
+    """Returns a report with its section replaced by `part`, or with `part` at its end."""
     found = re.search(rf"^## {TITLE}\n.*?(?=^## |\Z)", text, re.M | re.S)
     if found:
         return text[: found.start()] + part.rstrip("\n") + "\n\n" * bool(text[found.end():]) + text[found.end():]
@@ -319,7 +319,7 @@ def with_section(text, part):
 
 
 def carry_over(out):
-    """Gives a new report of the sweep the section that is published, which other runs made."""
+    """Copies the published section, which other runs made, into a new report of the sweep."""
     home = PUBLISHED / "speed_vs_error"
     found = re.search(rf"^## {TITLE}\n.*?(?=^## |\Z)", (home / "report.md").read_text(encoding="utf-8"), re.M | re.S)
     if found:

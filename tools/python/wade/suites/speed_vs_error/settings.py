@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from wade.paths import CONFIGS
 from wade.suites.cases import model_overrides
 
-# Factors in the order in which the table shows them. They reach from careless to careful on both sides of the default:
+# Factors in the order of the table. They reach from careless to careful on both sides of the default:
 # tolerances 1, 0.1 and 0.01 %, at least one iteration of the density solve instead of two, CFL 0.25, 0.5 and 1, all
 # kernels, the divergence solve at three tolerances and off.
 FACTORS = {
@@ -36,7 +36,7 @@ OTHER_MODELS = {
     "bump_transcritical": ("shallow_water", "steering"),
     "bump_subcritical": ("shallow_water", "steering"),
 }
-SEEDS = (1, 2, 3, 4, 5)  # of the models other than DFSPH: some draw the places of their particles
+SEEDS = (1, 2, 3, 4, 5)  # of the models other than DFSPH: some draw the positions of their particles
 
 
 @dataclass(frozen=True)

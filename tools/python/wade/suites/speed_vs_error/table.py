@@ -1,5 +1,5 @@
-"""speed_vs_error.csv, a line a point and error metric, and the front of undominated points: no other one is at most as dear and
-at most as wrong, and better in one of both.
+"""speed_vs_error.csv, a line a point and error metric, and the front of undominated points: no other one is at most as
+expensive and at most as wrong, and better in one of both.
 """
 
 from dataclasses import dataclass
@@ -10,8 +10,8 @@ from wade.suites.speed_vs_error.settings import default_setting
 def front(points):
     """Flags, one a point: whether it lies on the front.
 
-    points: list of (cost, error); an error of None has no place in the comparison and is never on the front. Of points
-    that are equal in both all are on the front.
+    points: list of (cost, error); a point with an error of None is not compared and never on the front. Points that are
+    equal in both do not exclude each other.
     """
     known = [(c, e) for c, e in points if e is not None]
     flags = []
@@ -36,7 +36,7 @@ def distance_to_front(points, index):
     """How far a point lies from the front, as two factors of at least 1.
 
     (cost of the point / cost of the cheapest point that is at most as wrong,
-     error of the point / smallest error of the points that are at most as dear)
+     error of the point / smallest error of the points that are at most as expensive)
     """
     cost, error = points[index]
     cheapest = cheapest_below(points, error)

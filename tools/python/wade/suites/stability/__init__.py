@@ -1,6 +1,6 @@
 """Runs each hard case (configs/stability) with each solver setting, and sweeps CFL factor and tolerance in three of them.
 
-A run that is complete and whose program and scenes are still the same is not repeated. Exit code 1:
+A complete run of the same program and scenes is not repeated. Exit code 1:
 a run left no result, or one at one of the settings breaks a rule and is not a known failure
 (tests/stability/known_failures.csv); the sweeps look for what breaks and do not count. 2: wrong
 options; 130, 143: interrupted.

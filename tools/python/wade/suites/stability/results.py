@@ -172,7 +172,7 @@ def is_stable(run):
 
 
 def largest_stable(found, case, sweep):
-    """(largest value up to which all are stable, the value after it with its run) of the runs there are, or None."""
+    """Returns (largest value with stable runs up to it, next value with its run or None); None if a run is missing."""
     _, values = SWEEPS[sweep]
     largest = None
     for value in values:

@@ -15,12 +15,12 @@ from wade.reports.tables import write_csv
 from wade.suites.stability_of_people import calibration, flume, report
 from wade.suites.stability_of_people.calibration import CHILDREN, SETS
 
-DEPTHS = (0.45, 0.7, 1.0)  # m, in which all sets were measured
+DEPTHS = (0.45, 0.7, 1.0)  # m, within the measured range of all sets
 COLUMNS = ("set", "height_m", "mass_kg", "depth_m", "published_m_s", "fitted_m_s", "flume_m_s")
 
 
 def run_flume(folder, constants, depths, all_bodies):
-    """Rows (data, height, mass, depth, speed by the equations, speed of the flume); else of each set two bodies."""
+    """Returns rows (data, height, mass, depth, speed by the equations, flume speed); all bodies or every fifth."""
     people = [(data, *body) for data in SETS for body in data.bodies[:: 1 if all_bodies else 5]]
     rows = []
     for depth in progress.over(depths, "runs the flume, depth by depth"):

@@ -85,7 +85,7 @@ def demands(rows, skill="-"):
 
 
 def critical(at_1_m_s, constants):
-    """The speed at which people slip or topple, whichever comes first; constants: (mu, lambda)."""
+    """Returns the speed that makes people slip or topple, whichever comes first, m/s; constants: (mu, lambda)."""
     constants = np.asarray(constants)
     return np.sqrt(np.min(np.concatenate([constants, np.ones_like(constants[..., :1])], axis=-1) / at_1_m_s, axis=-1))
 

@@ -1,4 +1,4 @@
-"""A flume: people stand in a stream whose speed rises until their feet leave the ground, with the programs themselves."""
+"""A flume, run with both programs: people stand in a stream that speeds up until they slip or topple."""
 
 import json
 import math
@@ -10,15 +10,18 @@ from wade.pictures.run_files import read_paths
 from wade.run.processes import end_with_parent
 
 RATE = 10  # Hz, of water and crowd
-RISE = 0.02  # 1/s, of the speed over itself: in the 0.6 s after which who has failed moves the speed grows by 1.2 %
-MOVES = 0.004  # m/s, 1.5 % of the slowest stream that takes somebody; who stands does not move
-PITCH = 1.25  # m, between people: twice the radius in which one feels the water, and more
+RISE = 0.02  # 1/s, relative rise of the speed: 1.2 % in the 0.6 s from failure to motion
+MOVES = 0.004  # m/s, 1.5 % of the slowest stream that takes a person; a standing person does not move
+PITCH = 1.25  # m, between people: more than twice the radius of the flow sampled at a person
 LENGTH, SPACING = 4.0, 0.125  # m, of the channel, and of cells and particles
-SLOWEST = 0.85  # of the least speed at which somebody should fail: where the rise begins
+SLOWEST = 0.85  # start of the rise, over the least speed expected to make a person fail
 
 
 def scene_of(people, depth, low, high):
-    """A stream of even depth whose speed rises from low to high, and a row of people (mu, lambda, height, mass) across it."""
+    """Returns a scene: a stream of even depth that speeds up from low to high, m/s, and a row of people across it.
+
+    people: (mu, lambda, height, mass) of each.
+    """
     width = PITCH * (len(people) + 1)
     duration = math.log(high / low) / RISE
     history = [{"time_s": round(duration * k / 64, 6), "velocity_m_s": low * (high / low) ** (k / 64)} for k in range(65)]
@@ -40,7 +43,7 @@ def scene_of(people, depth, low, high):
 
 
 def first_motion(path):
-    """When somebody begins to move, s, or None; path: rows of (time, x, z)."""
+    """Returns when a person begins to move, s, or None; path: rows of (time, x, z)."""
     for before, after in zip(path, path[1:]):
         if math.hypot(after[1] - before[1], after[2] - before[2]) > MOVES * (after[0] - before[0]):
             return after[0]
@@ -48,7 +51,7 @@ def first_motion(path):
 
 
 def failures(folder, people, depth, expected):
-    """The speed at which each of the people (mu, lambda, height, mass) fails, m/s, None of who stands to the end."""
+    """Returns the speed that makes each of the people (mu, lambda, height, mass) fail, m/s; None if one never moves."""
     low, high = SLOWEST * min(expected), 1.1 * max(expected)
     folder.mkdir(parents=True, exist_ok=True)
     scene = folder / "flume.json"

@@ -8,8 +8,8 @@ from wade.reports.tables import document, markdown, section
 from wade.suites.stability_of_people.calibration import (CHILDREN, DEEPEST, DEFRA, DEPTH_TIMES_SPEED, SETS, critical, demands,
                                                          errors, rms)
 
-FLUME_GOAL = 0.03  # of the flume from the equations, each person: half of it for the 0.6 s until who fails moves
-PERSON = (1.70, 65)  # whose curves the picture has
+FLUME_GOAL = 0.03  # largest deviation from the equations, each person; half of it for the 0.6 s from failure to motion
+PERSON = (1.70, 65)  # height, m, and mass, kg, of the curves in the picture
 HEAD = """# When water takes people off their feet
 
 The equations of the response `measured` (`crowd_client/people/person.hpp`) beside what flumes found. Errors are of ln u,

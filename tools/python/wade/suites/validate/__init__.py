@@ -2,8 +2,8 @@
 
 The truths are analytic solutions, published experiments and tables. report.md has the observed
 order of convergence and a plot of the dam break, DIR/runs/ the numbers and curves of each run. The
-cases of the crowd, crowd_*, are those of verify-crowd, and run here if --cases names them. A run that
-is complete and whose program and scenes are still the same is not repeated, so that the command goes
+cases of the crowd, crowd_*, are those of verify-crowd, and run here if --cases names them. A
+complete run of the same program and scenes is not repeated, so that the command goes
 on where it was stopped; a commit repeats runs only if it changes what is computed. With --quick a
 case runs at one resolution, as the tests run it. Give runs with --set a folder of their own: runs of
 other settings count as those of another version.

@@ -13,7 +13,7 @@ COLUMNS = 2  # panels side by side
 
 # Cases that have a picture; the numbers of the others stand in the report.
 PICTURED = ("dam_break", "crowd_openings")
-# Curves whose columns share a panel, of the finest run only: begin with these.
+# Prefixes of curves with all columns in one panel, of the finest run only.
 TOGETHER = ("people_", "last_one_out", "speed_by_")
 
 
@@ -38,7 +38,7 @@ def label(name):
 
 
 def panels_of(runs):
-    """(curve, column) of each simulated column, in the order in which they first appear; (curve, None) of those together."""
+    """Returns (curve, column) of each simulated column, by first appearance; (curve, None) of curves in one panel."""
     panels = []
     for run in runs:
         for curve in run["curves"]:
@@ -48,7 +48,7 @@ def panels_of(runs):
     return panels
 
 
-# Truths that somebody else has computed, not measured.
+# Truths from published computations, not measurements.
 COMPUTED = {
     ("cavity_100", "measured_"): ("ko", "Ghia et al. 1982"),
     ("cavity_400", "measured_"): ("ko", "Ghia et al. 1982"),
@@ -70,7 +70,7 @@ def truths_of(columns, column):
 
 
 def draw_truth(axes, case, x, columns, column):
-    """A truth whose name is not that of the column, as measured_Kretz_2006, is named in the legend."""
+    """Draws the truths of a column. The legend names a truth with a name of its own, as measured_Kretz_2006."""
     styles = {"exact_": ("k-", "exact"), "measured_": ("ko", "measured"), "reference_": ("k--", "reference")}
     markers = iter("o^sv")
     for prefix, name in truths_of(columns, column):

@@ -204,7 +204,7 @@ def time_text(seconds):
 
 
 def missing_runs(runs, cases):
-    """Rows of the runs that there are none of."""
+    """Yields a row for each run that is missing."""
     for case in cases:
         of_case = [run for run in runs if run["case"] == case.name]
         done = {run["level"] for run in of_case}

@@ -12,7 +12,7 @@ COLUMNS = "case,model,spacing_m,particles,metric,value,unit,threshold,pass,wall_
 
 
 def split_table(file):
-    """Rows of a table whose last field may hold commas."""
+    """Returns the rows of a table; its last field may hold commas."""
     lines = plain_file.read_text(file).splitlines()
     names = lines[0].split(",")
     return [dict(zip(names, line.split(",", len(names) - 1))) for line in lines[1:] if line]
