@@ -13,12 +13,12 @@ def git(*arguments: str) -> list[str]:
 
 
 def tracked(*endings: str) -> list[Path]:
-    """Tracked files that are there and whose names end so, sorted; links are left out."""
+    """Returns the tracked files that exist and have one of these name endings, sorted, without links."""
     paths = [ROOT / name for name in git("ls-files") if name.endswith(endings)]
     return sorted(path for path in paths if path.is_file() and not path.is_symlink())
 
 
 def complaints(*command) -> str:
-    """What a program says that finds fault; empty if it exits with 0."""
+    """Returns the output of a program that fails; empty if it exits with 0."""
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, cwd=ROOT, check=False)
     return "" if done.returncode == 0 else done.stdout + done.stderr

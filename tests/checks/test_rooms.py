@@ -57,7 +57,7 @@ def circle(arrows: dict[Path, set[Path]]) -> list[Path]:
 
 
 def arrows_between(name_of) -> dict[Path, set[Path]]:
-    """Who includes whom, files named by name_of."""
+    """Returns the include graph: each name maps to the names that it includes. name_of names a file."""
     arrows = collections.defaultdict(set)
     for path in product():
         for other in includes(path):

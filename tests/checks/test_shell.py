@@ -8,7 +8,7 @@ from sources import ROOT, complaints, git, tracked
 
 
 def scripts() -> list[Path]:
-    """Files that end like scripts, and executable ones whose first line names a shell."""
+    """Returns files named *.sh or *.bash, and executable files with a shell in their first line."""
     found = set(tracked(".sh", ".bash"))
     for line in git("ls-files", "--stage"):
         path = ROOT / line.split("\t")[1]

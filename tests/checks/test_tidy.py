@@ -1,7 +1,7 @@
-"""Sources of the product pass the checks of .clang-tidy, all of which are errors.
+"""Sources of the product pass the checks of .clang-tidy; each finding is an error.
 
-Looked at are the sources that the last commits changed, the newest first and at most MOST, as a file takes seconds;
-all of them with WADE_TIDY_ALL=1.
+The test checks the sources that the last commits changed, the newest first and at most MOST, as a file takes seconds.
+With WADE_TIDY_ALL=1 it checks all of them.
 """
 
 import json

@@ -39,7 +39,7 @@ class EnsembleTest(Launcher):
         self.assertEqual(list((self.folder / out).glob("work/*")), [])
 
     def undisturbed(self, *arguments, out="undisturbed"):
-        """The table of an ensemble that nobody disturbs."""
+        """Returns the table of an ensemble that runs without interruption."""
         self.assert_ended_well(self.many(*arguments, out=out))
         return self.table(out)
 

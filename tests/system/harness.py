@@ -89,7 +89,7 @@ def command_of(pid):
 
 
 class Program:
-    """A running program whose messages go to a file, so that it never waits for a reader."""
+    """A running program. Its messages go to a file, so that it never waits for a reader."""
 
     def __init__(self, command, folder, **options):
         self.name = Path(command[0]).name

@@ -9,7 +9,7 @@ import unittest
 
 from harness import ENDLESS, ROOT, SystemTest
 
-# Six agents in a uniform stream of 2.5 m/s, in which nothing is solved.
+# Six agents in a prescribed uniform stream of 2.5 m/s.
 FAST = ["--set", "/fluid/model=kinematic", "--set", "/channel/velocity_m_s=2.5"]
 WEAK = ["--set", "/crowd/tau=0.9"]
 RAGDOLL = ["--set", "/crowd/ragdoll/condition=paper"]
@@ -19,7 +19,7 @@ LEVELS = ["none", "low", "moderate", "high", "very_high"]
 TIMES = [f"{level}_s" for level in LEVELS]
 
 
-# The same six, who answer by their bodies; particles of 0.25 m in which something is solved.
+# The same six agents with the measured response, in solved water with particles of 0.25 m.
 BODIES = ["--set", "/crowd/response=measured", "--set", "/channel/velocity_m_s=2", "--set", "/crowd/poses/rate_hz=30"]
 SHALLOW = ["--set", "/fluid/model=shallow_water", "--set", "/fluid/particle_spacing_m=0.25"]
 SHALLOW += ["--set", "/fluid/max_particles=8000", "--until-s", "6"]
@@ -67,7 +67,7 @@ class Ragdoll(SystemTest):
         self.assertLessEqual(max(frames), 30 + 15, "it fades within half a second")
 
     def test_rows_follow_one_another_without_jumps(self):
-        """Frame by frame, as an animator reads them: in water that is solved, whose particles touch now and then."""
+        """Compares rows frame by frame. In solved water, particles touch an agent only now and then."""
         run = self.pair("--set", "/channel/velocity_m_s=2.5", *WEAK, *RAGDOLL, "--until-s", "3")
         rows = {(int(row["id"]), int(row["frame"])): row for row in table(run, "ragdoll.csv")}
         self.assertGreater(len(rows), 100)
@@ -158,7 +158,7 @@ class Poses(SystemTest):
 
 class Danger(SystemTest):
     def run_with_danger(self, *more):
-        """A run whose crowd records danger, which is nothing that the water's program knows of."""
+        """Runs both programs; only the crowd's program gets the danger option. Returns the run."""
         server, client = self.server(*FAST), self.client(*FAST, *DANGER, *more)
         self.assert_ended_well(server, client)
         return client.run
@@ -172,7 +172,7 @@ class Danger(SystemTest):
             met = [level for level in LEVELS if float(after[f"{level}_s"]) > 0]
             self.assertEqual(after["danger_level"], met[-1])
         self.assertIn("very_high", {agent["danger_level"] for agent in run.agents()})
-        # The time of an agent: all steps but the one with which it ends.
+        # The times of an agent sum to all its steps, without the step at which it ends.
         for agent in run.agents():
             steps = round(float(agent["time_s"]) * 30) - (agent["outcome"] != "active")
             self.assertAlmostEqual(sum(float(agent[name]) for name in TIMES) * 30, steps, places=6)
@@ -181,8 +181,8 @@ class Danger(SystemTest):
         self.assertEqual(len(cells), 10 * 2)  # 20 x 4 m
         for cell in cells:
             self.assertEqual(cell["danger_level"], "very_high", "1 m at 2.5 m/s")
-            # A lattice that moves on, whose particles are not quite as wide as their distance: at either edge of a cell of 2 m
-            # some cm, up to 4 %. What it has beyond the ends of the channel is dealt to the outermost cells.
+            # The lattice moves, and its particles are slightly narrower than their pitch. An edge of a cell of 2 m can
+            # lose or gain some cm, up to 4 %. Water beyond the ends of the channel is added to the outermost cells.
             outermost = float(cell["x_min_m"]) == 0 or float(cell["x_max_m"]) == 20
             self.assertAlmostEqual(float(cell["max_dv_m2_s"]), 2.5, delta=0.25 if outermost else 0.1)
             self.assertAlmostEqual(float(cell["max_speed_m_s"]), 2.5, delta=1e-6)

@@ -128,7 +128,7 @@ class Slurm(EnsembleTest):
         return self.start(*command, cwd=self.folder, env=environment)
 
     def disturbed(self, disturb):
-        """The table of an ensemble whose array of tasks runs while something happens to it."""
+        """Returns the table of an ensemble after disturb() acts on its running array of tasks."""
         many = self.many("--engine", "slurm", *PLAN, *LONG)
         wait_until(lambda: len(self.nodes.tasks()) == 2 or not many.running(), "two tasks to run")
         logs = self.folder / "many" / "work"

@@ -162,7 +162,7 @@ class Tables(ExportTest):
         self.assertEqual(len(np.unique(rows[:, 0])), len(self.agents))
         self.assertEqual(len({(who, frame) for who, frame in rows[:, :2]}), len(rows))
         self.assertTrue(np.all(rows[:, :2] == np.floor(rows[:, :2])))
-        # There and back: the places of the run's own paths, whose y is z, too, but for the four digits that are written.
+        # The positions equal the run's trajectories up to the four digits that are written; pos_y is z, too.
         with contextlib.closing(sqlite3.connect(RUN / "trajectories.sqlite")) as database:
             rate = float(database.execute("SELECT value FROM metadata WHERE key = 'fps'").fetchone()[0])
             paths = {(who, round(30 * frame / rate)): place for who, frame, *place in
@@ -172,7 +172,7 @@ class Tables(ExportTest):
         self.assertLess(max(np.abs(np.subtract(*pair)).max() for pair in compared), 6e-5)
         ended = [agent for agent in self.agents if agent["outcome"] != "active"]
         self.assertGreater(len(ended), 0)
-        for agent in ended:  # nobody stays in it after the end
+        for agent in ended:  # no rows after the end of an agent
             own = rows[rows[:, 0] == int(agent["id"])]
             self.assertLessEqual(own[-1, 1] / 5, float(agent["time_s"]) + 0.2)
 
@@ -286,7 +286,7 @@ class Readers(ExportTest):
             np.testing.assert_allclose(found, places[:, [0, 2, 1]], rtol=1e-5, atol=1e-6)  # tinyusdz prints six digits
         for name in ("positions", "orientations", "velocities", "ids", "protoIndices", "primvars:state"):
             self.assertIn(f" {name}.timeSamples", people)
-        # A skeleton for everybody, whose way ends where the person does.
+        # One skeleton per person; its path ends at the last position of the person.
         roots = figures.split("def SkelRoot")[1:]
         self.assertEqual(len(roots), len(self.agents))
         for text, agent in zip(roots, self.agents):

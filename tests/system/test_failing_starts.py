@@ -8,7 +8,7 @@ import unittest
 
 from harness import CLIENT, ENDLESS, SMALL, SystemTest, wait_until
 
-# More people with bodies than the world of 20 x 12 m has room for, which only whoever places them finds out.
+# More people with bodies than fit into the world of 20 x 12 m. Only the placement of the bodies finds this out.
 CRAMMED = {
     "/crowd/bodies": '"human"',
     "/crowd/markers": '"redrawn"',
@@ -123,7 +123,7 @@ class FailingStarts(SystemTest):
         self.assert_ends(self.client("--attach-timeout-s", "0.1", out=file), 2, "--out")
 
     def test_water_that_cannot_start_tells_the_crowd(self):
-        """Of the water the same: who already waits for it ends at once, with its reason."""
+        """The same for the water: a crowd that already waits for it ends at once, with its reason."""
         file = self.folder / "file"
         file.write_text("mine")
         for text, options in (

@@ -16,7 +16,7 @@ from wade import view
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ["WADE_PROGRAMS"])
 
-# A producer of three frames that waits for nobody.
+# A producer of three frames that waits for no consumer.
 PRODUCER = """
 #include <stdio.h>
 #include <string.h>

@@ -19,7 +19,7 @@ CLIENT_PAUSED = 3 * 4096 + 84  # shm_protocol/layout.hpp: of the first consumer
 
 
 def drain(terminal):
-    """Takes what is shown on a terminal until all who have it open are gone."""
+    """Reads the output of a terminal until all processes have closed it."""
     try:
         while os.read(terminal, 4096):
             pass

@@ -8,7 +8,7 @@ from harness import CLIENT, ROOT, SystemTest
 
 
 def closed_scene(model, bodies, moved_m=0, mirrored=False):
-    """A dam breaks towards nine people who stand at the other end of a closed channel, 10 m long."""
+    """Returns a scene: a dam breaks towards nine people at the other end of a closed channel, 10 m long."""
     length, end = 10, moved_m + 10
 
     def along(x):
@@ -63,7 +63,7 @@ class ClosedChannels(SystemTest):
                 ends = run.query("SELECT min(pos_x), max(pos_x) FROM trajectory_data")[0]
                 self.assertGreaterEqual(ends[0], moved_m)
                 self.assertLessEqual(ends[1], moved_m + 10)
-                # The water reached those who started 0.3 m away and pressed them against the wall.
+                # The water reached the people that started 0.3 m from the wall and pressed them against it.
                 reached = moved_m + 10 - ends[1] if mirrored else ends[0] - moved_m
                 self.assertLess(reached, 0.05)
 
@@ -88,7 +88,7 @@ class Hamlet(SystemTest):
             self.assertFalse(any(is_inside(house, x, z) for house in houses), (x, z))
 
     def test_columns_near_people_are_all_that_they_feel(self):
-        """Who walks straight through the river's bank gets the same water whether all of it is sent or what is near."""
+        """People that walk straight across the bank get the same water if only the columns near agents are sent."""
         group = {"name": "straight", "columns": 3, "start": {"x_m": 60, "z_m": 30, "pitch_x_m": 20},
                  "goal": {"x_m": 100, "z_m": 70}}
         lives = {"name": "lives", "start": {"from": "houses"}, "goal": {"x_m": 100, "z_m": 72}}
@@ -118,7 +118,7 @@ def is_inside(ring, x, z):
 
 class Standing(SystemTest):
     def scene(self, x_min_m=5, x_max_m=11, **crowd):
-        """Four people before a box, which leaves a way round it or none."""
+        """Four people before a box; it leaves a route round it or none."""
         box = {"x_min_m": x_min_m, "x_max_m": x_max_m, "z_min_m": 5, "z_max_m": 8, "height_m": 3}
         group = {"name": "g", "columns": 4, "start": {"x_m": 5.5, "z_m": 2}, "goal": {"x_m": 8, "z_m": 14}}
         scene = {
@@ -200,7 +200,7 @@ class Measured(SystemTest):
                 self.assertTrue(all(1.5 <= h <= 1.9 for h in heights) and len(set(heights)) == 6)
                 self.assertEqual(outcome["dead"], sum(a["outcome"] == "dead" for a in people))
                 states |= {a["state"] for a in people}
-                # Half a metre a second in 1 m of water makes feet of friction 0.07 slip and topples who has them.
+                # Water of 0.5 m/s, 1 m deep, makes feet of friction 0.07 slip and topples these people.
                 self.assertGreater(sum(float(a["max_depth_m"]) > 0.5 for a in people), 0)
 
     def test_people_tire_in_cold_water_beside_those_whose_tau_is_given_in_time(self):

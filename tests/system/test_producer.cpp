@@ -1,7 +1,7 @@
-// test_producer SCENE.json [...]: a producer whose frames are known exactly, and which can misbehave on request.
+// test_producer SCENE.json [...]: a producer of exactly known frames that can misbehave on request.
 //
 // Particles stand on a square grid over the scene's channel and all have the velocity (-v_F, 0, 0), frame after frame:
-// the grid stays where it is, so that a test can count by hand which particles touch an agent. Pitch and mass are
+// the grid does not move, so that a test can count by hand which particles touch an agent. Pitch and mass are
 // powers of two, so that the grid is exact in 32-bit floats.
 
 #include <unistd.h>

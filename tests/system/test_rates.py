@@ -6,12 +6,12 @@ import unittest
 
 from harness import ENDLESS, SystemTest, wait_until
 
-# A run that lasts until nobody is active any more.
+# A run that lasts until no agent is active any more.
 LONG = ["--until-s", "5000"]
 
 
 def has_walked(run):
-    """Whether steps of the crowd, after its first places, are in its records, which may have no tables yet."""
+    """Returns true if the records, which may have no tables yet, hold steps after the initial positions."""
     try:
         return bool(run.query("SELECT 1 FROM trajectory_data WHERE frame > 1 LIMIT 1"))
     except sqlite3.OperationalError:
@@ -62,7 +62,7 @@ class Latest(SystemTest):
         outcome, last = self.assert_complete_records(client.run, "completed")
         self.assertEqual((outcome["mode"], outcome["frame_hash"]), ("latest", None))
         self.assertEqual(outcome["active"], 0)
-        # No step is left out, however many frames are, up to the one in which the last agent ended.
+        # No step is missing up to the end of the last agent, however many frames there are.
         steps = [frame for frame, in client.run.query("SELECT DISTINCT frame FROM trajectory_data ORDER BY frame")]
         self.assertEqual(steps, list(range(steps[0], last + 1)))
         self.assertLessEqual(steps[0], 1)
@@ -76,7 +76,7 @@ class Latest(SystemTest):
         client = self.client("--mode", "latest", *ENDLESS)
         server = self.server("--consumers", "0", *ENDLESS)
         self.wait_for_frame(20, server, client)
-        # The water, which waits for nobody, may be there before the crowd is.
+        # The water waits for no consumer and may start before the crowd.
         wait_until(lambda: has_walked(client.run), "the crowd's first steps")
         self.kill_server(server)
         self.assert_ends(client, 4, "died")

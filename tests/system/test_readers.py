@@ -217,7 +217,7 @@ class Engines(SystemTest):
         program, three = self.driver(), self.folder / "three"
         for name in ("build/three.module.js", "build/three.core.js", "examples/jsm/controls/OrbitControls.js"):
             (three / name).parent.mkdir(parents=True, exist_ok=True)
-            (three / name).write_text("// three\n")  # nobody asks for it here
+            (three / name).write_text("// three\n")  # not requested in this test
         publisher = self.producer_of(1)
         worlds = [self.send(publisher, 1)]
         command = [VIEWER, "--session", self.session, "--page", ROOT / "tools" / "viewer" / "page", "--three", three]

@@ -173,7 +173,7 @@ class Thinned(RecordingTest):
     BOX = ("--region", "2,15,0,2,4.5,7.5")
 
     def thinned(self, *arguments):
-        """The frames of a whole recording, [(tick, mass, velocities and places)], and the thinned one."""
+        """Returns the frames of a whole recording, [(tick, mass, velocities and positions)], and the thinned one."""
         whole = self.folder / "whole.wrec"
         server = self.server("--consumers", "3", *SHORT)
         recorders = self.start(RECORD, self.session, whole, "--compression", "0"), self.recorder(*arguments)
@@ -328,7 +328,7 @@ class DamagedFiles(RecordingTest):
 
 
 class WayBack(RecordingTest):
-    """Two-way runs: the crowd sends its agents back, and somebody must take them."""
+    """Two-way runs: the crowd sends its agents back, and a consumer must take them."""
 
     TWO_WAY = [*SHORT, "--set", "/coupling/agents_stream=serial"]
 

@@ -17,7 +17,7 @@ HEADER_BYTES, PARTICLE_BYTES = 128, 33  # fluid_server/states/state_file.hpp
 
 
 def water_of(file):
-    """All of a state but its scene, whose duration differs between runs: time, frame, counters, emitter, particles."""
+    """Returns a state without its scene (durations differ): time, frame, counters, emitter, particles."""
     data = file.read_bytes()
     particles = struct.unpack_from("<Q", data, 32)[0]
     return particles, data[48:112], data[HEADER_BYTES : HEADER_BYTES + PARTICLE_BYTES * particles]

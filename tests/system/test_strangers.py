@@ -59,7 +59,7 @@ def write_site(folder):
 
 
 def replace(file, kind):
-    """Puts something of a kind in place of a file."""
+    """Replaces a file by something of a kind."""
     data = file.read_bytes()
     file.unlink()
     if kind == "fifo":

@@ -1,4 +1,4 @@
-"""shm_inspect looks and disturbs nobody; shm_clean removes what the dead left behind and nothing else."""
+"""shm_inspect reads without any effect on a run; shm_clean removes the segments of dead processes and nothing else."""
 
 import json
 import os

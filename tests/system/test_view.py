@@ -30,7 +30,7 @@ from wade.paths import CONFIGS
 SERVER = PROGRAMS / "wade_view_server"
 PAGE_TEST = Path(__file__).resolve().parent / "view_page.mjs"
 HAMLET = CONFIGS / "sites" / "hamlet.json"
-# People who walk round a world without ends.
+# People walk round a periodic world.
 ROUND = [*ENDLESS, "--set", "/world/ends=periodic", "--set", "/crowd/groups/0/goal/x_m=100000", "--set", "/crowd/groups/0/goal/z_m=6"]
 COLOURS_TEST = PAGE_TEST.with_name("view_colours.mjs")
 # Particles in a river, cells in a channel, both, a prescribed flow, two sites with rasters: the scene, its options, its end, s.
@@ -85,7 +85,7 @@ class Socket:
         return head, [values[k * count:(k + 1) * count] for k in range(fields)]
 
     def wait_for(self, wanted):
-        """The next message for which wanted() holds, of those that come meanwhile."""
+        """Returns the next message that satisfies wanted(); skips all others."""
         while True:
             message = self.message()
             if wanted(message):
@@ -253,7 +253,7 @@ class Folders(ViewTest):
         scene.write_text(json.dumps(BASIN))
         printed = subprocess.run([WATER, scene, "--print-config"], capture_output=True, check=True)
         (folder / "manifest.json").write_text(json.dumps({"resolved_scene": json.loads(printed.stdout)}))
-        # Nobody was outdoors before frame 4 and in frame 6.
+        # The person is outdoors neither before frame 4 nor in frame 6.
         rows = [f"{frame},{frame / 2},7,3,{frame},{state},upright" + 10 * ",0" + ",,-0.1"
                 for frame, state in ((4, "walking"), (5, "walking"), (7, "sheltered"))]
         head = "frame,time_s,id,x_m,z_m,state,posture,heading_rad,speed_m_s,gait_phase,step_length_m,hip_height_m"

@@ -22,7 +22,7 @@ class WayBack(SystemTest):
         return sorted(path.name.removeprefix(self.session + "-") for path in Path("/dev/shm").glob(f"{self.session}-*"))
 
     def assert_only_left_then_remove(self, *kinds):
-        """Those whose producer was killed; whoever lives on removes its own."""
+        """Only segments of a killed producer remain; a process that lives removes its own."""
         self.assertEqual(self.segments(), sorted(kinds))
         for kind in kinds:
             Path(f"/dev/shm/{self.session}-{kind}").unlink()
@@ -115,7 +115,7 @@ class WayBack(SystemTest):
                     self.assertEqual(self.segments(), [])
 
     def test_water_that_dies_before_it_takes_the_agents_is_a_dead_peer(self):
-        server = self.server("--consumers", "2", *way_back("serial"))  # waits for somebody else
+        server = self.server("--consumers", "2", *way_back("serial"))  # waits for a second consumer
         client = self.client(*way_back("serial"))
         wait_until(lambda: any("agents" in name for name in self.segments()), "the agents' stream")
         self.kill_server(server)

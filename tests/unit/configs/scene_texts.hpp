@@ -17,10 +17,10 @@ inline const std::string dry_scene =
 // dry_scene with `patch` merged over it, loaded as "scene.json".
 LoadedScene load_patched(const std::string& patch, const std::vector<std::string>& assignments = {});
 
-// The sentence with which that scene is refused; a failure of the test if it is not.
+// Returns the error text of that scene; fails the test if the scene is accepted.
 std::string refusal(const std::string& patch, const std::vector<std::string>& assignments = {});
 
-// The sentence with which a file is refused.
+// Returns the error text of a refused file.
 std::string refusal_of_text(const std::string& text);
 std::string refusal_of_file(const std::filesystem::path& file);
 

@@ -146,7 +146,7 @@ TEST_CASE("A crowd with the rule takes its velocity from the one before, from it
             const RelaxedVelocity expected =
                 relaxed_velocity(body_mass, before, crowd.walking[0], 0.4, crowd.contacts[0], 1 / rate);
             REQUIRE(crowd.agents.momentary[0] == expected.at_end);
-            // Up to the rounding of places of 50 m, from which the velocity is read.
+            // The velocity is a difference of positions of 50 m, so that their rounding limits it.
             REQUIRE((crowd.agents.velocity[0] - expected.mean).norm() < 1e-11);
         }
         CHECK(crowd.agents.position[0].x() < 50);

@@ -1,5 +1,5 @@
-// Whole steps of the crowd. People who meet head-on: points with redrawn markers pass, whatever their way, their speed and the rate
-// of the steps.
+// Whole steps of the crowd. People without bodies that meet head-on pass with redrawn markers, whatever their
+// direction, their speed and the rate of the steps.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -84,7 +84,7 @@ TEST_CASE("People without bodies arrive by the same way at any rate of steps") {
     const auto [path, time] = lone_walk(30);
     for (const double rate : {0.05, 0.1, 0.5, 1.0, 1.9, 2.0}) {
         CAPTURE(rate);
-        // Markers bend the way every 1/30 s or every 0.1 s: a tenth of it. From 2 Hz on a step is not divided: 0.5 s more.
+        // Markers bend the path every 1/30 s or 0.1 s: 10 % of its length. From 2 Hz on a step is whole: 0.5 s more.
         const auto [its_path, its_time] = lone_walk(rate);
         CHECK(its_path == Approx(path).epsilon(0.1));
         CHECK(its_time == Approx(time).epsilon(0.1).margin(0.5));
@@ -113,7 +113,7 @@ TEST_CASE("One agent in a uniform stream moves at the velocity of Eq. 9 in close
         const MadeUpWater stream = uniform_water(60, 95, 12, 38, 1, d, v_f, 0);
         CrowdWorld crowd = make_crowd(scene);
         for (int i = 0; i < 60; ++i) {
-            // Where it would walk without water, from the same place.
+            // Its walk without water, from the same position.
             CrowdWorld dry = crowd;
             take_steps(dry, {}, 1);
             const Vector2d walking = dry.agents.velocity[0];
@@ -191,7 +191,7 @@ TEST_CASE("Dead and arrived agents give up their markers at once") {
     take_steps(both, {}, 1);
     REQUIRE(both.agents.outcome[1] == Outcome::arrived);
     CHECK(both.agents.end_step[1] == 1);
-    // From the same place on, the first agent walks as if the other had never been there.
+    // From the same position, the first agent walks as it would without the other agent.
     alone.agents.position[0] = both.agents.position[0];
     alone.steps = 1;
     for (int i = 0; i < 20; ++i) {
@@ -208,7 +208,7 @@ TEST_CASE("The order of the agents decides nothing but ties") {
     AgentGroup& group = scene.crowd->groups[0];
     CrowdWorld forward = make_crowd(scene);
     group.start_x = 87.5;
-    group.pitch_x = -2.5;  // the same places, ids reversed within each row
+    group.pitch_x = -2.5;  // the same positions, ids reversed within each row
     CrowdWorld backward = make_crowd(scene);
     take_steps(forward, {}, 60);
     take_steps(backward, {}, 60);
@@ -262,7 +262,7 @@ TEST_CASE("Neither walking nor fast water takes an agent through an obstacle") {
             for (std::size_t id = 0; id < crowd.agents.size(); ++id) {
                 const Vector2d& p = crowd.agents.position[id];
                 REQUIRE_FALSE((40 < p.x() && p.x() < 47 && 21.5 < p.y() && p.y() < 28.5));
-                // Nobody who stood before the block is behind it one frame later unless beside it.
+                // No agent before the block is behind it one frame later, unless it passes beside it.
                 const bool before_it = before[id].x() >= 47 && before[id].y() > 21.5 && before[id].y() < 28.5;
                 if (before_it && p.y() > 21.5 && p.y() < 28.5) REQUIRE(p.x() >= 47);
             }

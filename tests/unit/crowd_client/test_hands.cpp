@@ -1,4 +1,4 @@
-// People of a crowd who hold one another, in even streams.
+// Linked people of a crowd in even streams.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -88,7 +88,7 @@ TEST_CASE("Hand in hand people stand in a stream that topples each alone, until 
 
 struct Walk {
     double speed = 0, wanted = 0;  // mean of all, m/s
-    double widest = 0;             // distance of neighbours across the way, m
+    double widest = 0;             // distance of neighbours across the direction of walking, m
 };
 
 // So many walk along x in 0.6 m of still water, for 25 s; without the first 5.
@@ -122,8 +122,8 @@ Walk walk_of(int count, HandInHand hands) {
     return walk;
 }
 
-// Gain of a file: eta (1 - s) (1 / r - 1), s the mean share of the drag; nobody shelters the first. Markers make one walk 0.94 of what
-// it wants, as they do in a file the first.
+// Gain of a file: eta (1 - s) (1 / r - 1), s the mean fraction of the drag; the first person has no wake shielding.
+// With markers a lone person, and the first of a file, walks at 0.94 of its desired speed.
 TEST_CASE("Ten hand in hand in file walk as fast as their wakes let them, and ten without hands do not") {
     const Walk alone = walk_of(1, HandInHand::none), file = walk_of(10, HandInHand::along_x);
     const double ratio = walking_speed_ratio(Sex::male, 0.6, 0, 9.81), width = body_width_share * usual_height;
@@ -242,7 +242,7 @@ Rope rope_across(double x) {
     return rope;
 }
 
-// One who falls at x 50 and is carried off in 1.2 m of water.
+// One person that falls at x 50 and floats away in 1.2 m of water.
 Scene one_carried() {
     Scene scene = side_by_side(1, HandInHand::none);
     scene.crowd->groups[0].body.skill = Skill::unaware;
@@ -285,7 +285,7 @@ TEST_CASE("Along a rope one crosses a stream that topples one without it, and le
     for (int i = 0; i < 40 * 30; ++i) step(crowd, water.view());
     CHECK(crowd.arrived == 1);
 
-    // Across it: nobody is held back.
+    // Across the rope: it holds no person back.
     group.start_x = 48;
     group.start_z = 25;
     group.goal_x = 54;

@@ -200,7 +200,7 @@ const MadeUpWater& water_of_base(const Base& base) {
 std::vector<double> state_after(const Base& base, const Scene& scene, int steps) {
     CrowdWorld crowd = make_crowd(scene);
     const MadeUpWater& water = water_of_base(base);
-    const int dry = base.is_site ? 10 : 0;  // ways on a site change with the water
+    const int dry = base.is_site ? 10 : 0;  // routes on a site change with the water
     std::vector<double> state;
     for (int k = 0; k < steps; ++k) {
         step(crowd, k < dry ? WaterView{} : water.view());

@@ -1,4 +1,4 @@
-// Rescuers of a crowd, and whom they bring in, in even streams.
+// Rescuers of a crowd and the people that they rescue, in even streams.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -89,7 +89,7 @@ TEST_CASE("A rescuer goes into water in which it stands well, no farther, and no
     CHECK(deepest_met(Skill::poor, 0.62, false) == 0);
 }
 
-// Somebody holds on to a post at x 42 in the stream, in the lee of a house as seen from the rescuer on the bank.
+// A person holds on to a post at x 42 in the stream; the house occludes it for the rescuer on the bank.
 Scene with_house(Skill of_rescuer, std::vector<Obstacle> obstacles) {
     Scene scene = with_rescuers(45, 13);
     scene.crowd->navigation.rule = NavigationRule::automatic;
@@ -140,7 +140,7 @@ TEST_CASE("A rescuer walks round a house to whom it cannot see, and does not set
     };
     CHECK(sets_out(round));
     CHECK(!sets_out(rescue_in(with_house(Skill::braced, {{{0, 100}, {22, 24}, 3}}), 20)));
-    CHECK(!sets_out(rescue_in(with_house(Skill::poor, {house}), 20)));  // who would lose the feet on the way
+    CHECK(!sets_out(rescue_in(with_house(Skill::poor, {house}), 20)));  // would lose its footing on the route
     Scene straight = with_house(Skill::braced, {house});
     straight.crowd->navigation.rule = NavigationRule::straight;
     CHECK(!sets_out(rescue_in(straight, 20)));
@@ -194,7 +194,7 @@ TEST_CASE("Whom its feet do not hold its line drags into the stream, by the equa
     CHECK(crowd.agents.people.condition[1].state == PersonState::toppled);
     for (int i = 0; i < 15 * 30; ++i) {
         step(crowd, water.view());
-        REQUIRE(crowd.links.empty());  // nobody throws from where it sits in the water
+        REQUIRE(crowd.links.empty());  // a rescuer that sits in the water throws no line
     }
     CHECK(!is_firm(crowd.agents.people.condition[1].state));
     CHECK(crowd.agents.position[1].x() < 40);

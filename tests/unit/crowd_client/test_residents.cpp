@@ -243,7 +243,7 @@ TEST_CASE("Whom the water carries into an outlet is lost, at another edge he is 
     const MadeUpWater water = uniform_water(0, 40, 0, 40, 2, 0.5, -2, 0);
     for (const bool with_outlet : {true, false}) {
         CrowdWorld crowd = make_crowd(swept(with_outlet));
-        const int most = 250;  // steps of 0.1 s: 30 m at 2 m/s is 15 s, and nobody's air is out after 25
+        const int most = 250;  // steps of 0.1 s: 30 m at 2 m/s take 15 s, and the air lasts more than 25 s
         int k = 0;
         for (; k < most && crowd.agents.outcome[0] == Outcome::active; ++k) step(crowd, water.view());
         CHECK(!has_ground(crowd.agents.people.condition[0].state));
@@ -263,7 +263,7 @@ TEST_CASE("Who has a tau is lost in an outlet into which the water moves him, no
         group.tau = {{tau, tau}};
         CrowdWorld crowd = make_crowd(scene);
         for (int k = 0; k < 300 && crowd.agents.outcome[0] == Outcome::active; ++k) step(crowd, water.view());
-        CHECK((crowd.dead == 1) == (tau == 0.9));  // who stands firm enough walks on to the shelter, against the water
+        CHECK((crowd.dead == 1) == (tau == 0.9));  // with a small tau it walks on to the shelter, against the water
     }
 }
 

@@ -180,7 +180,7 @@ TEST_CASE("Starts nearer than a millimetre are drawn again, and refused where th
     Scene scene = one_agent_scene(10, 25, 75, 50, 0);
     scene.crowd->groups.push_back(scene.crowd->groups[0]);
     AgentGroup& grid = scene.crowd->groups[1];
-    grid.columns = grid.count = 5;  // in the way of those that are drawn, and not moved by them
+    grid.columns = grid.count = 5;  // obstruct the drawn positions and are not moved by them
     grid.pitch_x = 0.004;
     grid.name = "grid";
     AgentGroup& heap = scene.crowd->groups[0];
@@ -253,6 +253,6 @@ TEST_CASE("A tau that rises in time moves people as far at any rate of steps") {
         ways.push_back(40 - crowd.agents.position[0].x());
     }
     CHECK(ways[3] > 2);
-    // Each step takes tau at its end: half a step of 1/15 s at the water's 1 m/s is 1 % of this way.
+    // Each step takes tau at its end: half a step of 1/15 s at the water's 1 m/s is 1 % of this displacement.
     for (const double way : ways) CHECK(way == Approx(ways[3]).epsilon(0.02));
 }

@@ -1,4 +1,4 @@
-// Who stands though it wants to move is noted, with what keeps it; what can be known at the start is said there.
+// The crowd records agents that stand although they want to move, and the cause; start warnings name it if known.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -103,7 +103,7 @@ TEST_CASE("A warning names what keeps people, and the key that helps") {
     SECTION("people") {
         scene.crowd->bodies = BodyRule::fast;
         add_group(scene, 1, {20, 20}, {50, 20});
-        // Rings of people who want nothing.
+        // A ring of people without a desired speed.
         for (int i = 0; i < 12; ++i) {
             const double a = 6.283185307179586 * i / 12;
             add_group(scene, 1, {20 + 1.05 * std::cos(a), 20 + 1.05 * std::sin(a)}, {50, 20}).desired_speed = 0;

@@ -1,5 +1,5 @@
-// The ends of a world: one that repeats along x; people in a closed channel, whose ends are walls, wherever it lies and whichever
-// way it is turned.
+// Ends of a world: a world periodic along x, and people between the end walls of a closed channel, at any position and
+// in either direction.
 
 #include <algorithm>
 #include <array>
@@ -199,7 +199,7 @@ struct Twin {
     [[nodiscard]] double place(double along) const { return mirrored ? x + length - along : x + along; }
 };
 
-// Nine people near the end at place 0, who walk to the other one.
+// Nine people near the end at position 0 walk to the other end.
 Scene scene_of(const Twin& twin, BodyRule bodies, CouplingRule rule, std::uint64_t seed) {
     Scene scene;
     scene.seed = seed;

@@ -40,7 +40,7 @@ std::uint32_t fill(const shm::FrameFields& fields, const Scene& scene, const Lat
     const double mass = scene.fluid->rest_density * lattice.d * row_pitch * layer_pitch;
     std::uint32_t n = 0;
     for (int i = 0; i < lattice.columns; ++i) {
-        // Columns are shifted by the way modulo the spacing, each keeps to its own length of the channel.
+        // Columns are shifted by the displacement modulo the spacing; each keeps to its own length of the channel.
         const double x = channel.x.hi - (i + 1) * lattice.d + lattice.d - std::fmod(way, lattice.d);
         if (x < front || x < channel.x.lo) continue;
         for (int j = 0; j < lattice.rows; ++j) {

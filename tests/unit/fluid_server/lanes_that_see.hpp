@@ -1,5 +1,5 @@
 #pragma once
-// Who of a few particles sees another one, asked as the search for neighbours asks.
+// Visibility of one particle from a few others, by the functions of the neighbour search.
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace wade::fluid::test {
 
-// How much of a particle at y each particle at x, not more than a cluster has, sees in a mirror, [0, 1]; boxes: what may stand in
-// the way. However far away it is.
+// Returns for each particle at x the visible fraction, [0, 1], of a particle at y in a mirror, at any distance. x: at
+// most the size of a cluster; boxes: possible occluders.
 inline std::vector<float> shares_seen(const Solids& solids, std::span<const Vec3> x, const Vec3& y,
                                       const Mirror& mirror, std::span<const Box> boxes) {
     ClusterPlaces places;
@@ -52,7 +52,7 @@ inline std::vector<float> shares_seen(const Solids& solids, std::span<const Vec3
     return seen;
 }
 
-// Those of them that see some of it, a bit each.
+// Returns one bit for each particle at x, set if it sees some of the particle at y.
 inline unsigned lanes_that_see(const Solids& solids, std::span<const Vec3> x, const Vec3& y, const Mirror& mirror,
                                std::span<const Box> boxes) {
     const std::vector<float> seen = shares_seen(solids, x, y, mirror, boxes);

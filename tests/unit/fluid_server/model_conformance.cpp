@@ -63,7 +63,7 @@ std::vector<Frame> frames_of_run(const ModelRow& row, const Scene& scene, int th
     inspection.rule(model->capacity() >= 1, "a frame has room for a particle");
     FrameArrays arrays(*model);
     const Ticks ticks = ticks_of(scene.frame_rate);
-    // Somebody who stands in the middle of the channel.
+    // A person that stands in the middle of the channel.
     const std::array<float, 1> mass{65}, still{0}, radius{0.25F}, height{1.75F};
     const std::array<float, 1> x{static_cast<float>(0.5 * (scene.channel->x.lo + scene.channel->x.hi))};
     const std::array<float, 1> z{static_cast<float>(0.5 * (scene.channel->z.lo + scene.channel->z.hi))};

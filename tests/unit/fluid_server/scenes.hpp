@@ -1,5 +1,5 @@
 #pragma once
-// Small scenes for the tests of the fluid, and who sees whom in them.
+// Small scenes for the tests of the fluid, and a loop over visible neighbours.
 
 #include <cmath>
 #include <numbers>
@@ -58,7 +58,7 @@ struct SiteTank {
     double corner = 90;  // degrees between its sides
     double side = 4;     // of the world, m
 
-    // A place of the tank, from its middle, on the map.
+    // Converts a position of the tank, from its middle, to the map.
     [[nodiscard]] MapPoint at(double x, double z) const {
         const double a = turned * std::numbers::pi / 180, lean = z / std::tan(corner * std::numbers::pi / 180);
         return {side / 2 + std::cos(a) * (x + lean) - std::sin(a) * z,
@@ -96,8 +96,8 @@ inline SiteSolids solids_of(const Scene& scene) {
             static_cast<float>(scene.fluid->particle_spacing)};
 }
 
-// Calls body(watcher, j, view, its turned view or null, share of 65535) for whom each particle sees, in the order of the lists: all of
-// what is near where no sight is asked. SolidsOf: Solids or SiteSolids.
+// Calls body(watcher, j, view, its turned view or null, share of 65535) for each visible neighbour, in the order of the
+// lists. Without a visibility test these are all near particles. SolidsOf: Solids or SiteSolids.
 template <typename SolidsOf, typename Body>
 void for_each_seen(const CellGrid& grid, const SolidsOf& solids, const Particles& p, float h, Body&& body) {
     NeighbourLists lists(p.capacity());

@@ -37,7 +37,7 @@ class Bytes {
         return as<SlotDescriptor>(header.descriptors_offset +
                                   (frame - 1) % header.slot_count * header.descriptor_stride);
     }
-    // Gives a changed descriptor the check that a producer who lies would give it.
+    // Recomputes the checksum of a changed descriptor, as a false producer would.
     void reseal(std::uint64_t frame) { descriptor(frame).crc32c = descriptor_crc(descriptor(frame)); }
 
     ConsumerEntry& consumer(std::uint32_t i) { return as<ConsumerEntry>(consumers_offset + i * page_bytes); }

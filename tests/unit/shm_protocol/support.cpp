@@ -51,7 +51,7 @@ Session::~Session() {
 Child::Child(const std::function<int()>& work) : pid_(fork()) {
     if (pid_ < 0) throw std::runtime_error("fork failed");
     if (pid_ > 0) return;
-    prctl(PR_SET_PDEATHSIG, SIGKILL);  // nobody is left over from a test that crashed
+    prctl(PR_SET_PDEATHSIG, SIGKILL);  // no child outlives a test that crashed
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM, SIGINT}) std::signal(signal, SIG_DFL);
     int code = 99;
     try {

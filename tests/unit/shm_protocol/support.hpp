@@ -1,6 +1,6 @@
 #pragma once
-// What the tests of the protocol share: sessions that clean up after themselves, child processes, and a stream whose
-// content follows from the frame number alone.
+// What the tests of the protocol share: sessions that clean up after themselves, child processes, and a stream with
+// content that follows from the frame number alone.
 
 #include <sys/types.h>
 
@@ -14,7 +14,7 @@
 
 namespace wade::shm::test {
 
-// A session name of its own, for which nothing is left in /dev/shm at the end, however the test ends.
+// A session name of its own. No segment of it stays in /dev/shm, however the test ends.
 class Session {
  public:
     Session();
@@ -55,7 +55,7 @@ StreamInfo test_info(std::uint32_t depth = 1, std::uint32_t slots = 0);
 // Long enough that only a hang exhausts it, on the slowest machine and under any sanitizer.
 Waiting patient();
 
-// Gives up at once where nobody comes.
+// Gives up at once if no peer comes.
 Waiting hasty();
 
 // Content of frame f as a function of f, the field and the particle; the number of particles changes too.

@@ -24,7 +24,7 @@ void publish(Publisher& publisher, int frames) {
     for (int i = 0; i < frames; ++i) publish_next(publisher);
 }
 
-// A producer that waits for nobody could have ended before its reader came.
+// Waits for the reader: a producer without waiting could end before its reader joins.
 void await_first_consumer(const Session& session) {
     Bytes bytes(session.path());
     const auto& entry = bytes.as<ConsumerEntry>(consumers_offset);
@@ -45,7 +45,7 @@ struct ReaderPair {
     LatestReader reader;
 };
 
-// A producer that waits for nobody in a process of its own, and a reader that checks every value.
+// Runs a producer without waiting in a process of its own, and a reader that checks every value.
 void read_freely(std::uint32_t slots, bool hashed, std::uint64_t frames) {
     CAPTURE(slots, hashed);
     const Session session;

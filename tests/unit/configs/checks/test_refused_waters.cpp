@@ -242,7 +242,7 @@ TEST_CASE("gaps of less than three spacings are named, the narrowest first") {
     scene.channel->x = {0, 10}, scene.channel->z = {0, 4};
     scene.channel->flow = wade::Flow::closed;
     scene.fluid->particle_spacing = 0.1;
-    // 0.25 m from the bank, 0.2 m from one another; the third is 0.3 m from the second, and none is in the way of the fourth.
+    // Gaps: 0.25 m to the bank, 0.2 m between obstacles 0 and 1, 0.3 m between 1 and 2; no obstacle faces obstacle 3.
     scene.obstacles = {{{2, 3}, {0.25, 2}, 1}, {{3.2, 4}, {1, 2}, 1}, {{4.3, 5}, {1, 2}, 1}, {{5.1, 6}, {2.5, 3}, 1}};
     CHECK(wade::narrow_gaps(scene).empty());  // nor is there water
     scene.channel->water_blocks = {{{0, 10}, {0, 4}, 1}};

@@ -48,7 +48,7 @@ TEST_CASE("the defaults that come from the paper and its code keep their values"
     CHECK(scene.crowd->ragdoll.tau_min == 0.8);
     CHECK(scene.crowd->ragdoll.speed == 2);
     CHECK(scene.crowd->ragdoll.depth_speed == 0.75);
-    // Solver settings at which the suites' reports were made.
+    // Solver settings of the suites' reports.
     CHECK(scene.fluid->cfl == 0.5);
     CHECK(scene.fluid->density_solve.tolerance == 5e-4);
     CHECK(scene.fluid->divergence_solve.tolerance == 1e-3);

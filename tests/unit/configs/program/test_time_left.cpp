@@ -7,8 +7,8 @@ using namespace wade;
 
 namespace {
 
-// A run of 100 s at 30 frames a second whose particles grow to `most` within `filled` s; each costs 1 us a frame.
-// The worst estimate from 2 % of the simulated time to 90 %, over what was left in truth.
+// A run of 100 s at 30 frames a second. Its particle number grows to `most` within `filled` s; each costs 1 us a frame.
+// Holds the smallest and largest ratio of estimated to true time left, from 2 % to 90 % of the simulated time.
 struct Worst {
     double least = 1e9, most = 0;
 };

@@ -76,7 +76,7 @@ const Json& everything_for(const std::string& pattern) {
     return pattern.starts_with("/site") ? everything_on_a_site : everything;
 }
 
-// "/a/0/b" as its keys, none of which is escaped.
+// Splits "/a/0/b" into its keys; keys have no escapes.
 std::vector<std::string> split_pointer(const std::string& pointer) {
     std::vector<std::string> keys;
     std::istringstream text(pointer.substr(1));

@@ -1,4 +1,4 @@
-// Points of a grid in a polygon: the same as those for which contains() is true.
+// Points of a grid in a polygon are exactly the points that contains() accepts.
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -157,7 +157,7 @@ TEST_CASE("A pair that meets head-on gets past one another in a narrow corridor"
 
 TEST_CASE("A crowd gets through a door of 1 m") {
     CrowdWorld crowd = make_crowd(door(GENERATE(BodyRule::fast, BodyRule::human)));
-    // 64 people at the 1.9 a second that are measured at such doors take 34 s, the way there 12 s; twice that is allowed.
+    // 64 people need 34 s at the 1.9 a second measured at such doors, and 12 s to the door. The limit is twice that.
     for (int k = 0; k < 30 * 92; ++k) step(crowd, {});
     CHECK(crowd.arrived == 64);
 }
@@ -220,7 +220,7 @@ TEST_CASE("Bodies decide every 0.1 s or a little more often, and with 8.5 to 10 
 TEST_CASE("People with bodies walk the same way at any rate of steps") {
     const BodyRule rule = GENERATE(BodyRule::fast, BodyRule::human);
     constexpr std::uint64_t seeds =
-        24;  // chance decides who gets through a door first: means of six scatter by 1.3 %, of these by 0.7 %
+        24;  // the order at a door is random: means of six seeds scatter by 1.3 %, of 24 by 0.7 %
     const auto mean_time = [&](double rate) {
         double sum = 0, people = 0;
         for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
@@ -272,7 +272,7 @@ TEST_CASE("The walk of bodies does not depend on the order in which people are s
     const BodyRule rule = GENERATE(BodyRule::fast, BodyRule::human);
     Scene scene = crossing(rule);
     for (AgentGroup& group : scene.crowd->groups) group.start_jitter = 0.15;  // no two are equally far from a marker
-    scene.crowd->goal_radius = 1e-3;                                          // nobody leaves
+    scene.crowd->goal_radius = 1e-3;                                          // no agent leaves
     CrowdWorld crowd = make_crowd(scene), shuffled = crowd;
     const std::size_t n = crowd.agents.size();
     std::vector<std::size_t> from(n);

@@ -34,7 +34,7 @@ World world_of(double length, double width) {
     return world;
 }
 
-// What the markers say to walkers who all want to go towards +x.
+// Returns the motion that the markers give to walkers; all of them want to go towards +x.
 Motion motion_of(const Markers& markers, const std::vector<Vector2d>& walkers, double radius = 1.0, int threads = 1) {
     Motion motion;
     const std::vector<Vector2d> goal_offsets(walkers.size(), Vector2d(10, 0));

@@ -20,7 +20,7 @@ std::vector<Vector2d> scattered(int n, double length, double width) {
     return places;
 }
 
-// Ways to the markers that walker k owns, in the order of the markers.
+// Displacements to the markers that walker k owns, in the order of the markers.
 std::vector<Vector2d> own_markers(const Markers& markers, const std::vector<Vector2d>& walkers, std::size_t k,
                                   double radius) {
     std::vector<Vector2d> own;

@@ -52,7 +52,7 @@ TEST_CASE("All boxes that reach into a rectangle are found, in their order and e
     CHECK(boxes.start.size() + boxes.listed.size() <= 1'000'001 + 16 * ground.boxes);
     std::size_t found = 0;
     for (std::uint64_t i = 0; i < 1000; ++i) {
-        // From a point to all of the ground and more; places beyond the ground, too, and on faces of boxes.
+        // Rectangles from a point to more than all of the ground, also beyond the ground and on faces of boxes.
         const double wide = i % 4 == 0 ? 0 : std::pow(10.0, draw(i, 4, 4) - 2);
         const Obstacle& some = boxes.all[i % boxes.all.size()];
         const double x0 = i % 3 == 0 ? some.x.hi : draw(i, 5, 1.4 * ground.length) - 0.2 * ground.length;
@@ -100,7 +100,7 @@ TEST_CASE("A crowd goes the same ways bit for bit whether its obstacles are foun
     scene.crowd->bodies = bodies;
     scene.crowd->navigation.rule = navigation;
     scene.crowd->step_rate = 5;  // long steps, which meet more
-    // Between the places where people start, which are 2 m apart.
+    // Obstacles between the start positions, which are 2 m apart.
     for (int i = 0; i < 14; ++i) {
         for (int j = 0; j < 14; ++j) {
             const double x = 5.5 + 4 * i, z = 3.5 + 4 * j;

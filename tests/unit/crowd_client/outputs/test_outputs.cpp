@@ -161,7 +161,7 @@ TEST_CASE("A run folder is complete at the end, and says 'running' until then") 
     for (const RegisteredOutput& output : outputs()) of_outputs.insert(output.files.begin(), output.files.end());
     for (const auto& entry : fs::directory_iterator(run.path())) {
         CAPTURE(entry.path());
-        CHECK(of_outputs.contains(entry.path().filename()));  // and nothing that was written on the way
+        CHECK(of_outputs.contains(entry.path().filename()));  // and no temporary file
     }
     // Rows from frame 0 to the first since the agent arrived.
     CHECK(query(run.path() / "trajectories.sqlite", "SELECT max(frame) FROM trajectory_data") ==

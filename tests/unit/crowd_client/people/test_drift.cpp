@@ -11,7 +11,7 @@ namespace wade::crowd::drift_test {
 
 constexpr double best = 0.006;  // lambda, 1/s
 
-// A person of 1.7 m in water in which no posture holds.
+// A person of 1.7 m in water too strong for any posture.
 Strain adrift(double depth, double hazard, double drowns_at) {
     Strain s;
     s.at_rest.fill(9);
@@ -100,7 +100,7 @@ TEST_CASE("Exposure waits for the first 20 s, for a quarter of the height and fo
     pass(held, 5);
     CHECK(condition.state == PersonState::holding);
     CHECK(condition.drift.end == DriftEnd::held);
-    CHECK(condition.drift.exposure == Approx(30).margin(0.21));  // the step in which the hold is taken counts
+    CHECK(condition.drift.exposure == Approx(30).margin(0.21));  // the step that takes the hold counts
     pass(adrift(1.2, best, 9), 15);                              // three times 5 s of the first 20 s came back
     CHECK(condition.drift.exposure == Approx(30).margin(0.21));
     pass(adrift(1.2, best, 9), 10);

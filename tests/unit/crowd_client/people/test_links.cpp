@@ -20,7 +20,7 @@ struct Chain {
     std::vector<Vector2d> position;
 };
 
-// People `pitch` apart along a direction, each of a friction and a share of the drag; the first is the one upstream.
+// People `pitch` apart along a direction, each with a friction and a fraction of the drag; the first is upstream.
 Chain chain_of(const std::vector<double>& friction, const std::vector<double>& shelter, const Vector2d& direction,
                bool pushes, double pitch = link_length) {
     Chain chain;
@@ -55,7 +55,7 @@ double walk(Chain& chain, double stream, double time, double dt = 1 / 30.0) {
     return fastest;
 }
 
-// The speed of the stream from which on somebody moves at 0.02 m/s after a time, m/s.
+// Returns the smallest speed of the stream, m/s, that moves a person of the chain at 0.02 m/s after a time.
 double critical_speed(const Chain& chain, double time = 6) {
     double lo = 0.5, hi = 4;
     for (int i = 0; i < 14; ++i) {
@@ -72,7 +72,7 @@ TEST_CASE("Equal people abreast slide as one alone does") {
     const double critical = critical_speed(chain_of({0.45, 0.45, 0.45}, {1, 1, 1}, abreast, false));
     CHECK(alone == Approx(1.060).epsilon(0.001));
     CHECK(critical == Approx(critical_speed(chain_of({0.45}, {1}, abreast, false))).epsilon(1e-3));
-    CHECK(critical == Approx(alone + 0.02).epsilon(1e-3));  // who slides lags behind the stream by alone
+    CHECK(critical == Approx(alone + 0.02).epsilon(1e-3));  // a sliding person is slower than the stream by `alone`
 }
 
 // Rigid: u^2 = (n - 1/2) / n mu N / k, 0.968 m/s. Links stretch until they pull, and then aslant.
@@ -83,7 +83,7 @@ TEST_CASE("A weak one between two is held by them") {
     CHECK(critical == Approx(0.949).epsilon(0.03));
 }
 
-// Shelter 0.119 of those behind the first. Rigid: 1.65 m/s for all three.
+// People behind the first take 0.119 of the drag. Rigid: 1.65 m/s for all three.
 TEST_CASE("A file needs links that push") {
     const std::vector<double> friction(3, 0.45), shelter{1, 0.119, 0.119};
     const double pulls = critical_speed(chain_of(friction, shelter, in_file, false), 1.5);

@@ -72,7 +72,7 @@ TEST_CASE("Slip and topple demand are those of the worked example") {
                              Row{1.0, 0.5, 0.22, 0.33}, Row{1.0, 1.0, 0.89, 1.31}, Row{1.0, 2.5, 5.56, 8.18},
                              Row{1.2, 0.5, 0.35, 0.61}, Row{1.2, 1.0, 1.38, 2.44}, Row{1.2, 1.5, 3.11, 5.49});
     CAPTURE(row.depth, row.speed);
-    constexpr double rounding = 0.0051;  // of the table, two places
+    constexpr double rounding = 0.0051;  // of the table, two decimals
     CHECK(std::abs(demands(row.depth, row.speed).slip - row.slip) < rounding);
     CHECK(std::abs(demands(row.depth, row.speed).topple - row.topple) < rounding);
 }
@@ -271,7 +271,7 @@ TEST_CASE("By size small children stand as a dummy, adults as normal people, and
         return one_person(settings).skill[0];
     };
     CHECK((skill_of(4) == Skill::unaware && skill_of(9) == Skill::by_size && skill_of(30) == Skill::normal));
-    // The depth times speed at which a person of 1 m to 1.8 m and 13 to 22 kg/m2 falls in 0.3 m of water.
+    // Returns the depth times speed that makes a person of 1 m to 1.8 m and 13 to 22 kg/m2 fall in 0.3 m of water.
     const auto limit = [](const Body& person, Skill skill) {
         constexpr double depth = 0.3;
         const Bracing bracing = bracing_of(skill, person);

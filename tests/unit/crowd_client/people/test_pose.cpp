@@ -24,7 +24,7 @@ double fastest(double pace, double apart) {
     return pace * apart / e;
 }
 
-// A man of 1.70 m and 65 kg in an even river, who walks across it at 1.3 m/s on dry ground.
+// A man of 1.70 m and 65 kg walks across an even river; his speed on dry ground is 1.3 m/s.
 Scene crossing(double rate, Skill skill) {
     Scene scene = one_agent_scene(50, 16, 50, 36, 0);
     scene.fluid->particle_spacing = 0.25;
@@ -38,7 +38,7 @@ Scene crossing(double rate, Skill skill) {
     return scene;
 }
 
-// Water of which a lattice has the depth exactly.
+// Water on a lattice that has the depth exactly.
 MadeUpWater stream(double depth, double speed) {
     MadeUpWater water = uniform_water(30, 60, 12, 38, 0.25, 0.25, -speed, 0);
     for (float& mass : water.mass) mass *= static_cast<float>(depth / 0.25);
@@ -59,8 +59,8 @@ struct Changes {
         take(turning, (b.turning.value - a.turning.value).cwiseAbs().maxCoeff());
         take(speed, (b.velocity.value - a.velocity.value).norm());
     }
-    // By the law of what follows an aim. Leans lie within pi of one another and turn with the water, hips between the ground and 1 m
-    // of water or a leg, steps between 0 and that of 182 a minute, speeds within 3 m/s either way.
+    // Limits of the law for values that follow an aim. Leans differ by at most pi and turn with the water. Hips lie
+    // between the ground and 1 m of water or a leg, steps between 0 and that of 182 a minute, speeds within +-3 m/s.
     void check() const {
         CHECK(heading <= fastest_turn + fastest_tumbling);
         CHECK(lean <= fastest(body_pace, pi) + fastest_tumbling * pi / 2);
@@ -125,7 +125,7 @@ TEST_CASE("Steps are those of Inman: 0.74 m, 109 a minute at 1.34 m/s, and in wa
         const double length = step_length_at(speed, 1.7);
         CHECK(length * cadence_of(length, 1.7) == Approx(speed));
     }
-    CHECK(60 * cadence_of(step_length_at(20, 1.7), 1.7) == Approx(182));  // nobody walks faster
+    CHECK(60 * cadence_of(step_length_at(20, 1.7), 1.7) == Approx(182));  // the fastest cadence
 
     // Half a metre of still water: 0.54 of the speed, so 0.73 of length and cadence.
     const auto strides = [](double depth) {
@@ -143,7 +143,7 @@ TEST_CASE("Steps are those of Inman: 0.74 m, 109 a minute at 1.34 m/s, and in wa
             count += made < 0 ? made + 1 : made;
         }
         const double length = crowd.poses[0].step_length.value;
-        // The way of all strides is that walked, within a twentieth: speeds change a little from step to step.
+        // The lengths of all strides sum to the path, within a twentieth: speeds change a little from step to step.
         CHECK(2 * count * length == Approx(crowd.agents.path_length[0] - from).epsilon(0.05));
         return std::array{length, count};
     };
@@ -192,7 +192,7 @@ TEST_CASE(
             seen.insert(pose.posture);
             const double lean = -pose.lean.value.x();  // downstream
             if (fell == 0 && pose.posture == Posture::falling) fell = time;
-            if (fell > 0 && lay == 0) CHECK(lean >= last_lean - 1e-3);  // it never gets up on the way
+            if (fell > 0 && lay == 0) CHECK(lean >= last_lean - 1e-3);  // the lean never decreases
             if (fell > 0 && lay == 0 && lean > 0.9 * pi / 2) lay = time;
             if (time > 4.5 && time < 5) {
                 CHECK(pose.lean.value.x() == Approx(-pi / 2).epsilon(0.01));

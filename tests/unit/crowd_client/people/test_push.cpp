@@ -1,4 +1,4 @@
-// What people take from the water: the disc that slows it, the cap, the free body; who is sheltered by whom.
+// Momentum that people take from the water: actuator disc, upper limit, free body; wake shielding between people.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -54,7 +54,7 @@ TEST_CASE("Particles mix within the disc while they pass, the more the slower an
         CHECK(disc_width_share(model, {1, 4, g}) ==
               Approx(disc_width_share(model, {0.5, 1, g})));  // of one Froude number
         CHECK(disc_width_share(model, {50, 1, g}) == Approx(1.6).epsilon(1e-3));
-        // Who drifts with the water, or stands in still water, does not slow what it feels.
+        // A person that drifts with the water, or stands in still water, does not slow its sampled flow.
         CHECK(drag_on_slowed_stream(1.1, 0.3, disc_width_share(model, {0, 1, g})) == Approx(1.1));
         CHECK(drag_on_slowed_stream(1.1, 0.3, disc_width_share(model, {1e-200, 1, g})) == Approx(1.1));
     }

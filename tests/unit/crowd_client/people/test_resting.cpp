@@ -27,7 +27,7 @@ Strain at_rest(const Body& person, Skill skill, double depth, double speed) {
     return strain;
 }
 
-// The fastest stream, m/s, in which a drifting person comes to rest.
+// Returns the fastest stream, m/s, that lets a drifting person come to rest.
 double fastest_stop(const Body& person, Skill skill, double depth) {
     double lo = 0, hi = 20;
     for (int i = 0; i < 50; ++i) {

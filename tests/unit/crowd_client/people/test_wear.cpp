@@ -10,8 +10,8 @@
 
 namespace wade::crowd::wear_test {
 
-// The share that is tired after `time`, s, of a load, by the equations of Xia and Frey Law 2008 with the controller of theirs, 10/s
-// either way, in steps of 2 ms.
+// Returns the tired fraction after `time`, s, of a load. Equations and controller of Xia and Frey Law 2008, 10/s in
+// both directions, in steps of 2 ms.
 double by_compartments(double load, const MuscleRates& rates, double time) {
     constexpr double dt = 0.002, develops = 10, relaxes = 10;
     double active = 0, tired = 0, rested = 1;

@@ -60,7 +60,7 @@ People people_in(const Scene& scene, const MadeUpWater& water) {
         p.agents.momentary[id] = {drawn(6, id) - 0.5, drawn(7, id)};
         p.agents.mass[id] = 40 + 60 * drawn(8, id);
         p.agents.tau[id] = drawn(9, id);
-        if (id % 7 == 3) continue;  // somebody who has arrived
+        if (id % 7 == 3) continue;  // an agent that has arrived
         p.active.push_back(id);
         p.positions.push_back(p.agents.position[id]);
         p.walking.emplace_back(1.3 * drawn(10, id), 1.3 * drawn(11, id));

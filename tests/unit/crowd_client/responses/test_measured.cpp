@@ -22,7 +22,7 @@ using wade::crowd::testing::uniform_water;
 
 namespace {
 
-// A person of 1.70 m and 65 kg who stands in a river.
+// A person of 1.70 m and 65 kg stands in a river.
 Scene standing_in_a_river() {
     Scene scene = one_agent_scene(50, 25, 50, 50, 0);
     scene.fluid->particle_spacing = 0.25;
@@ -34,7 +34,7 @@ Scene standing_in_a_river() {
     return scene;
 }
 
-// Water of a depth of which a lattice has it exactly, everywhere that the person can get in the time of a test.
+// Water on a lattice that has the depth exactly, everywhere that the person can reach in the time of a test.
 MadeUpWater stream(double depth, double speed) {
     MadeUpWater water = uniform_water(20, 56, 15, 40, 0.25, 0.25, -speed, 0);
     for (float& mass : water.mass) mass *= static_cast<float>(depth / 0.25);
@@ -124,7 +124,7 @@ TEST_CASE("In steady water half a step a second leads to the same states at the 
 
 TEST_CASE("Who slides goes as fast as drag and friction balance, and its tau is that of its slip demand") {
     Scene scene = standing_in_a_river();
-    scene.crowd->groups[0].body.skill = Skill::braced;  // who slides before it topples
+    scene.crowd->groups[0].body.skill = Skill::braced;  // slides before it topples
     scene.crowd->groups[0].body.ground_friction = 0.3;
     CrowdWorld crowd = crowd_at(scene, 30);
     const MadeUpWater water = stream(0.7, 1.5);
@@ -147,7 +147,7 @@ TEST_CASE("Drift, time to topple and arrival are the same at 15 to 120 steps a s
     struct Run {
         double drift = 0, toppled = 0, arrival = 0;
     };
-    // A stream that grows for ten seconds, and somebody who crosses one of half a metre.
+    // A stream that grows for ten seconds, and a person that crosses a stream 0.5 m deep.
     const auto run = [](double rate) {
         Run result;
         CrowdWorld stands = crowd_at(standing_in_a_river(), rate);
@@ -193,7 +193,7 @@ TEST_CASE("People walk slower in water, and as fast as before out of it") {
     };
     CrowdWorld crowd = crowd_at(scene, 30), on_land = crowd_at(scene, 30);
     const double dry = way_of(on_land, MadeUpWater{});
-    // 0.614 of the men of Li et al.; markers lead nobody quite straight.
+    // The speed ratio is 0.614 for the men of Li et al.; markers bend every path a little.
     CHECK(way_of(crowd, stream(0.35, 0)) == Approx(0.614 * dry).epsilon(0.05));
     CHECK(crowd.agents.desired_speed[0] == Approx(0.614 * 1.3).epsilon(0.01));
     CHECK(way_of(crowd, MadeUpWater{}) == Approx(dry).epsilon(0.05));
@@ -318,8 +318,8 @@ TEST_CASE("Bodies, threads and how a step is divided do not keep people from ans
     }
 }
 
-// T is the demand on a fresh person of normal skill, lambda 0.09. Its legs hold so much while at most 1 - T of them are tired, then
-// give way, and at 0.04 / 0.09 + (1 - 0.04 / 0.09) strength = T it topples.
+// T is the load on a fresh person of normal skill, lambda 0.09. Its legs hold this load while at most 1 - T of them are
+// tired. Then they yield, and at 0.04 / 0.09 + (1 - 0.04 / 0.09) strength = T the person topples.
 TEST_CASE("Whom a stream does not topple it topples when the legs are tired, after the time of the closed form") {
     const MadeUpWater water = stream(1, 0.8);
     Scene scene = standing_in_a_river();
@@ -353,7 +353,7 @@ TEST_CASE(
     scene.crowd->groups[0].body.bracing_arm = 0.01;  // topples wherever it stands up, and squats firmly
     CrowdWorld crowd = crowd_at(scene, 10);
     const MadeUpWater water = stream(0.4, 1.2);
-    for (int i = 0; i < 450; ++i) step(crowd, water.view());  // 30 s in its place, after the fall
+    for (int i = 0; i < 450; ++i) step(crowd, water.view());  // 30 s at its position, after the fall
     REQUIRE(state_of(crowd) == PersonState::recovering);
     REQUIRE(count_standing(crowd) == 1);
     CHECK_THAT(crowd.warnings.back(), Catch::Contains("keeps them from walking") && Catch::Contains("skill"));

@@ -77,7 +77,7 @@ TEST_CASE("A step with samples is as many short steps through water that moves",
             way += part.mean / 120;
         }
         REQUIRE(met > 0);
-        // Places of particles are floats, 4e-6 m there; no particle is that near to the edge of the contact.
+        // Positions of particles are floats, to 4e-6 m there; no particle is that near to the edge of the contact.
         CHECK(whole.mean.x() == Approx(way.x() * 15).margin(1e-9));
         CHECK(whole.mean.y() == Approx(way.y() * 15).margin(1e-9));
         CHECK(whole.at_end.x() == Approx(walker.velocity.x()).margin(1e-9));

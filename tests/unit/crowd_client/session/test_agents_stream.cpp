@@ -1,4 +1,4 @@
-// The way back: what a consumer of the agents stream sees.
+// The agents stream from the crowd to the water, as a consumer reads it.
 
 #include <unistd.h>
 
@@ -203,7 +203,7 @@ TEST_CASE(
         CHECK(frame.fields[spread][0] > 0.49F);
     }
     const auto& first = run.consumer.seen.front().fields;
-    CHECK((first[jx][0] == 0 && first[jz][0] == 0));  // nobody has taken a step
+    CHECK((first[jx][0] == 0 && first[jz][0] == 0));  // no agent has taken a step
     const auto& second = run.consumer.seen[1].fields;
     // Two steps of the drag, 1.1 x 0.272 m x 500 kg/m2 x 1 m, on |u| of about 1.1 m/s, corrected by some 19 %.
     CHECK(static_cast<double>(second[jx][0]) < -4);

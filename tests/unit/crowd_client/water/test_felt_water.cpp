@@ -63,7 +63,7 @@ double counted_ground(const Scene& scene, const Vector2d& place, double spread) 
     return sum * spread * spread / (half * half);
 }
 
-// The mean depth felt in waters whose particles lie anywhere in their cells of the lattice round a place.
+// Returns the mean sampled depth at a position; particles lie anywhere in their cells of the lattice around it.
 double mean_depth(const Scene& scene, const Vector2d& place) {
     const double d = scene.fluid->particle_spacing, reach = 1.6;
     auto any = [n = std::uint64_t{0}]() mutable { return counter_uniform(1, 1, n++); };

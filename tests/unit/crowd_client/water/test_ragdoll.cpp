@@ -30,7 +30,7 @@ Scene tumbling_scene(RagdollCondition condition, double tau = 0.9, double v_f = 
     return scene;
 }
 
-// The same of somebody whom nothing moves, after half a second of the same water.
+// Returns the ragdolls of the same agent at rest (tau 0), after half a second of the same water.
 std::vector<Ragdoll> ragdolls_of(Scene scene, const MadeUpWater& water) {
     scene.crowd->ragdoll.tau_min = 0;
     scene.crowd->groups[0].tau = 0;
@@ -133,7 +133,7 @@ TEST_CASE("v_F is that of the time of the step") {
     const MadeUpWater water = uniform_water(40, 60, 15, 35, 1, 0.2, -1, 0);
     for (int i = 0; i < 31; ++i) step(crowd, water.view());
     CHECK(crowd.ragdolls.empty());
-    for (int i = 0; i < 7; ++i) step(crowd, water.view());  // and 0.2 s in which it holds
+    for (int i = 0; i < 7; ++i) step(crowd, water.view());  // the condition must hold for 0.2 s
     CHECK(crowd.ragdolls.size() == 1);
 }
 

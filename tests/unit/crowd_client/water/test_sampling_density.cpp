@@ -25,7 +25,7 @@ Scene wader(double spacing) {
     return scene;
 }
 
-// One point a cell, 0.5 m deep, from an odd place on; 0.2 m/s along z.
+// One point a cell, 0.5 m deep, from an uneven position on; 0.2 m/s along z.
 MadeUpWater points(double cell, double depth = 0.5) {
     MadeUpWater water;
     for (double x = 40.03; x < 60; x += cell) {
@@ -34,7 +34,7 @@ MadeUpWater points(double cell, double depth = 0.5) {
     return water;
 }
 
-// The sentences about a stream after a minute, with steps in which nothing was near left out.
+// Returns the warnings about a stream after a minute of steps; steps without water near an agent do not count.
 std::vector<std::string> sentences_of(const Scene& scene, const MadeUpWater& water, const StreamWater& stream) {
     CrowdWorld crowd = make_crowd(scene);
     suit_to_stream(crowd, stream);

@@ -13,7 +13,7 @@ using wade::crowd::testing::uniform_water;
 
 namespace {
 
-// An agent that tau = 0 keeps from drifting, on its way to z = 50; the channel lies from z = 11.5 to 38.5.
+// An agent walks to z = 50 and does not drift, by tau = 0; the channel lies from z = 11.5 to 38.5.
 CrowdWorld walker_from(double z) {
     Scene scene = one_agent_scene(50, z, 50, 50, 0);
     scene.channel->x = {0, 100};

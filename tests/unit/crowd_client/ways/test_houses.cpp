@@ -77,7 +77,7 @@ TEST_CASE("No step, however long and wherever it starts, ends in a house of any 
             const Vector2d d(length * std::cos(angle), length * std::sin(angle)), q = slide(walls, p, d, ends_of_world);
             REQUIRE_FALSE(is_in(scene, q));
             REQUIRE((q.x() >= 0 && q.x() <= 100 && q.y() >= 0 && q.y() <= 50));
-            // A step that ends as wished crosses nothing on its way.
+            // A step that is not shortened crosses no house.
             if (q == p + d) REQUIRE_FALSE(meets_a_house(walls.houses, p, q));
             p = q;
         }
@@ -91,7 +91,7 @@ TEST_CASE("A step into a side at an angle slides along it, and on past its corne
     const Vector2d along(std::cos(std::numbers::pi / 6), 0.5), outward(0.5, -std::cos(std::numbers::pi / 6));
     const Vector2d start = Vector2d(40, 20) + 5 * along + outward;
     const Vector2d end = slide(walls, start, 3 * along - 4 * outward, ends_of_world);
-    // A skin before the side, to the rounding of places of 100 m.
+    // One skin before the side, to the rounding of positions of 100 m.
     CHECK((end - (start + 3 * along - (1 - Walls::skin) * outward)).norm() < 1e-12);
     // The corner is 15 m on; behind it the rest of the step leads round it freely.
     const Vector2d past = slide(walls, start, 18 * along - 4 * outward, ends_of_world);
@@ -206,7 +206,7 @@ TEST_CASE("Bodies in a street turned by 30 degrees touch no wall and walk as fas
     for (const BodyRule rule : {BodyRule::fast, BodyRule::human}) {
         const double straight = walked(0, rule);
         CHECK(straight > 12);  // of 19.5 m that 15 s at 1.3 m/s would be, with a crowd of 2 people/m2 before most
-        // Both are one draw of chance; the means of 24 people who hold one another up differ by some per cent.
+        // Both are one random draw. Means of 24 people that obstruct one another differ by some per cent.
         CHECK(walked(30, rule) == Approx(straight).epsilon(0.08));
     }
 }

@@ -100,7 +100,7 @@ TEST_CASE("Out of a court that is open at the back people find by travel times, 
     Scene scene = court(thickness);
     scene.crowd->bodies = bodies;
     if (bodies != BodyRule::none) scene.crowd->markers = MarkerRule::redrawn;
-    // The way is 29 m or less, 23 s.
+    // The route is 29 m or less, 23 s.
     CrowdWorld crowd = make_crowd(scene);
     take_steps(crowd, 60 * 30);
     CHECK(crowd.arrived == crowd.agents.size());
@@ -148,7 +148,7 @@ TEST_CASE("What is in sight does not depend on how the boxes are found") {
     for (const int count : views) CHECK(count > 50);
 }
 
-// Half a metre of detour is the clearance and the cells that it is rounded up to; a lone agent's way wavers by its markers.
+// The detour of 0.5 m is the clearance, rounded up to cells. Markers make a lone agent's path waver.
 TEST_CASE("A lone agent's way is hardly longer than a taut string") {
     Scene scene = court(1);
     scene.crowd->groups = {people("one", 1, 1, {12, 10.5}, 1, {26, 10})};

@@ -1,4 +1,4 @@
-// The default of navigation: ways where an obstacle stands before somebody, and nothing where none does.
+// Automatic navigation, the default: a travel-time field only if an obstacle stands between an agent and its goal.
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -42,7 +42,7 @@ Scene village(Ends ends) {
     return scene;
 }
 
-// A wall with a door that only fine cells find, and a way round that is far longer.
+// A wall with a door that only fine cells resolve, and a far longer route round the wall.
 Scene door(double width) {
     Scene scene = dry_scene(20, 30, {{{10, 10.2}, {0, 3 - width / 2}, 3}, {{10, 10.2}, {3 + width / 2, 25}, 3}});
     scene.crowd->groups = {row_of_people(3, {3, 6}, 1, {17, 6.2})};
@@ -115,7 +115,7 @@ TEST_CASE("Ways are looked for every 0.1 s at any rate of steps, and kept in bet
     scene.frame_rate = scene.crowd->step_rate = rate;
     CrowdWorld crowd = make_crowd(scene);
     REQUIRE(crowd.navigation.solved == 1);
-    // Of people who are all in the same place, farther on in each decision.
+    // All people stand at one position, farther on in each decision.
     const auto way_at = [&](int place, int decision) {
         const Vector2d p(17 + 0.3 * place, 6);
         const std::vector<Vector2d> at(crowd.active.size(), p);

@@ -135,7 +135,7 @@ TEST_CASE("Steps end at the same bits whether boxes are found by cells or asked 
         if (!place) continue;
         Vector2d p = *place;
         for (std::uint64_t i = 1; i <= 30; ++i) {
-            // From a step of 30 Hz to one of a person whom fast water carries for seconds.
+            // From a step at 30 Hz to the displacement of a person in fast water over seconds.
             const double length = 0.04 * std::pow(10.0, 3 * counter_uniform(2, run, i));
             const double angle = std::numbers::pi / 8 * std::floor(16 * counter_uniform(3, run, i));
             const Vector2d step(length * std::cos(angle), length * std::sin(angle));

@@ -86,11 +86,11 @@ TEST_CASE("Water that nobody may stand in closes a way, and is gone round once i
     };
     const MadeUpWater none;
     CHECK(highest(none) < 14);
-    // 0.8 m at 1.5 m/s is far beyond D = 1 for everybody; below the house, so that the way is above it.
+    // 0.8 m at 1.5 m/s is far beyond D = 1 for all people. The pond lies below the house, so the route passes above it.
     CHECK(highest(pond(20, 40, 0, 14, 0.8, 1.5)) > 26);
     // 0.1 m of still water is walked through.
     CHECK(highest(pond(20, 40, 0, 14, 0.1, 0)) < 14);
-    // But who does not enter more than 0.05 m goes round it.
+    // People that enter at most 0.05 m walk round it.
     scene.crowd->navigation.enters_up_to = 0.05;
     CHECK(highest(pond(20, 40, 0, 14, 0.1, 0)) > 26);
 }
@@ -155,7 +155,7 @@ TEST_CASE("High ground is a shelter, and slopes slow people down as Tobler says"
         walk(crowd, 20);
         return crowd.agents.position[0].x() - 10;
     };
-    // Markers lie otherwise on either way, which makes some per cent.
+    // The two paths meet different markers, which makes some per cent.
     CHECK(walked(SlopeRule::tobler) / walked(SlopeRule::level) == Approx(std::exp(-0.35)).epsilon(0.04));
     CrowdWorld crowd = make_crowd(scene);
     walk(crowd, 80);

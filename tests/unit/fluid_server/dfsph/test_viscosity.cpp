@@ -80,7 +80,7 @@ TEST_CASE("a vertical layer of shear decays at the rate of its viscosity", "[flu
     CHECK(rate == Approx(0.05 * std::numbers::pi * std::numbers::pi).epsilon(0.05));
 }
 
-// Planes to which viscous water sticks, moving ones too.
+// No-slip planes, at rest and moving.
 namespace {
 
 constexpr double cube_d = 0.1;

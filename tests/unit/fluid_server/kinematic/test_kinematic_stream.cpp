@@ -180,7 +180,7 @@ TEST_CASE("a frame of a kinematic stream is a function of its tick alone", "[flu
         CHECK(arrays.particles() == frame_at(scene, 900, &at_once).particles());
         CHECK(step_by_step.recycled_particles == at_once.recycled_particles);
 
-        // Frames of any length come to the same place.
+        // Frames of any length lead to the same positions.
         KinematicStream uneven(scene);
         uneven.advance_frame({0, 12'345'678, ticks_per_second});
         uneven.advance_frame({12'345'678, 900 * ticks_per_frame, ticks_per_second});
@@ -228,7 +228,7 @@ TEST_CASE("each particle of a kinematic stream is anywhere in its cell", "[fluid
     std::sort(across.begin(), across.end());
     std::sort(along.begin(), along.end());
     REQUIRE(along.size() > 60);
-    // The distance of two uniform places in neighbouring cells has the variance of 1/6 of a cell squared.
+    // The distance of two uniform positions in neighbouring cells has a variance of 1/6 of the squared cell size.
     const double cell = 40 / static_cast<double>(along.size());
     double variance = 0;
     for (std::size_t i = 1; i < along.size(); ++i) {
@@ -236,7 +236,7 @@ TEST_CASE("each particle of a kinematic stream is anywhere in its cell", "[fluid
         variance += deviation * deviation / static_cast<double>(along.size() - 1);
     }
     CHECK(variance / (cell * cell) == Approx(1.0 / 6).margin(0.06));
-    // And nowhere on the width is a gap.
+    // The width has no gap.
     double gap = std::max(across.front(), 8.5 - across.back());
     for (std::size_t i = 1; i < across.size(); ++i) gap = std::max(gap, across[i] - across[i - 1]);
     CHECK(gap < 0.05);
@@ -254,7 +254,7 @@ Scene lattice_scene(double jitter) {
     return scene;
 }
 
-// Places of the particles of a layer in their strips, in cells across: all layers below 0.5 m, or all above.
+// Returns positions of particles across their strips, in cells: of all layers below 0.5 m, or of all above.
 std::vector<double> across_of_layer(const Scene& scene, bool upper) {
     const auto particles = frame_at(scene, 5).particles();
     std::vector<double> across;

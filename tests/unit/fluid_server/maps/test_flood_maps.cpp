@@ -1,4 +1,4 @@
-// Maps of a flood: scales of danger at their bounds, the largest of each value, and files with their place on the map.
+// Flood maps: danger scales at their bounds, the largest of each value, and georeferenced files.
 
 #include <catch2/catch.hpp>
 #include <cmath>

@@ -53,7 +53,7 @@ inline void run(MixedWorld& world, double time) {
     }
 }
 
-// Means over the width between two places: particles in the window, cells elsewhere.
+// Means over the width between two positions along x: of particles in the window, of cells elsewhere.
 struct Section {
     double depth = 0;  // volume over area, m
     double speed = 0;  // towards -x, m/s

@@ -73,7 +73,7 @@ TEST_CASE("what drives a river round its window is what people take from it", "[
     PeopleInWater& people = world.people();
     people.told = true;
     people.frame_time = 1.0 / 30;
-    // 150 N at one place, as one person of 1.7 m takes.
+    // 150 N at one position, the drag of one person of 1.7 m.
     people.pushes = {{{10, 3}, {0, 0}, {-150.0 / 30, 0}, 1, 0.5}};
     double driven = 0;  // m/s
     for (int frame = 0; frame < 30; ++frame) {
@@ -112,7 +112,7 @@ TEST_CASE("a river of eight layers does not speed up before its window", "[mixed
 }
 
 TEST_CASE("a long wave passes through the window", "[.long]") {
-    // A hump half a spacing high, 16 m long, that runs towards -x from its place at 54 m through the window from 24 to 36 m.
+    // A hump half a spacing high, 16 m long, that runs towards -x from 54 m through the window from 24 to 36 m.
     constexpr double height = 0.125, length = 16, start = 54;
     const auto hump = [&](double x) {
         const double phase = (x - start) / length;
@@ -148,8 +148,8 @@ TEST_CASE("the front of a dam break passes a window on dry ground", "[mixed]") {
     };
     const auto mixed = run_dam(8, 15);
     const auto grid = run_dam(0.4, 0.6);
-    // Ritter: 4/9 at the dam. The tip of particles lags by 15 to 20 % (README), 3 m of 18 m, in which the water is some cm
-    // deep: what has come through the window by then differs by less than half.
+    // Ritter: 4/9 at the dam. The tip of particles lags by 15 to 20 % (README), 3 m of 18 m; the water there is some cm
+    // deep. The volume that has passed the window by then differs by less than half.
     CHECK(mixed[1] == Approx(grid[1]).epsilon(0.05));
     CHECK(mixed[0] > 0.5 * grid[0]);
     CHECK(mixed[0] < 1.5 * grid[0]);

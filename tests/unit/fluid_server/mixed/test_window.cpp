@@ -37,13 +37,13 @@ FrameInterval frame(std::uint64_t number) {
 }
 
 Scene followed_river() {
-    Scene scene = river(60, 1, 0, 1.5);  // no place of its own
+    Scene scene = river(60, 1, 0, 1.5);  // no fixed window
     scene.coupling->agents_stream = AgentsStream::serial;
     scene.fluid->particle_spacing = 0.4642;
     return scene;
 }
 
-// Somebody walks up the river, down again, out of it and in again.
+// One agent walks up the river, down again, out of it and in again.
 std::vector<float> walk_along(const Scene& scene) {
     MixedModel model(scene);
     FrameArrays arrays(model);

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes whose model is open, and tables made up for tests.
+// Scenes with the model "auto", and tables made up for tests.
 
 #include <string>
 
@@ -11,7 +11,7 @@ namespace wade::fluid::model_choice::test {
 inline const std::string river =
     R"("flow": "recirculating", "initial_river": "filled", "depth_m": 1, "velocity_m_s": 1.5)";
 
-// A channel of 12 m x 6 m with four people who stand in it. `more` is JSON of the scene after a comma.
+// A channel of 12 m x 6 m with four people that stand in it. `more` is JSON of the scene after a comma.
 inline LoadedScene scene_with(const std::string& channel, const std::string& more = "",
                               const std::string& demand = "0.1") {
     const std::string text =

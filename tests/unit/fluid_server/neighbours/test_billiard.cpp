@@ -1,4 +1,4 @@
-// Who sees whom past walls at any angle: each place round a particle once, both sides alike.
+// Visibility past walls at any angle: each position round a particle is seen once, and visibility is symmetric.
 
 #include <omp.h>
 
@@ -212,7 +212,7 @@ TEST_CASE("forces between particles of a site are opposite, whatever stands betw
 
 namespace {
 
-// Whom each particle sees, by which map, and how much of it, in the order of its list.
+// A neighbour that a particle sees: its index, its map and its visible fraction, in the order of the list.
 struct SeenByMap {
     std::uint32_t j;
     TurnedMap map;

@@ -123,7 +123,7 @@ TEST_CASE("a lattice resists shear as a solid, unless its support radius is 2.05
     CHECK(faster_by(2, 0.05) == Approx(0.043).margin(1e-3));
     CHECK(std::abs(faster_by(2.05, 0.02)) < 1e-3);
     CHECK(std::abs(faster_by(2.05, 0.05)) < 3e-3);
-    CHECK(faster_by(2.1, 0.05) < -0.03);  // no place of rest: such a lattice flows
+    CHECK(faster_by(2.1, 0.05) < -0.03);  // no state of rest: such a lattice flows
 }
 
 TEST_CASE("with the quartic spline a lattice has no shape that it would keep", "[fluid][kernel]") {

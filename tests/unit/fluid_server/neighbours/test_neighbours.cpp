@@ -94,7 +94,7 @@ TEST_CASE("the search finds exactly the pairs that a double loop finds", "[fluid
         std::sort(found.begin(), found.end());
         wrong += found == expected ? 0U : 1U;
     }
-    // Rounding may decide differently about a pair whose distance is the support radius to seven digits: none here.
+    // Rounding may decide differently about a pair at the support radius, to seven digits: none here.
     CHECK(wrong == 0);
 }
 
@@ -346,7 +346,8 @@ TEST_CASE("the search among boxes finds the images and shares that asking every 
 
 namespace {
 
-// Whom each particle sees, in which view, and how much of it, in the order of its list: all of what is near where no sight is asked.
+// Neighbours that each particle sees, with view and visible fraction, in the order of its list. Without a visibility
+// test these are all near particles, with the whole fraction.
 using SeenInOrder = std::vector<std::vector<std::tuple<std::uint32_t, std::array<float, 6>, unsigned>>>;
 
 SeenInOrder seen_in_order(const CellGrid& grid, const Solids& solids, const Particles& p, float h) {

@@ -229,7 +229,7 @@ struct Packing {
         return y > lo && y < hi && z > lo && z < hi && x > lo + 0.3F * hi && x < hi;
     }
 
-    // Root mean square of sum_j (u_i - u_j) . g_ij over the inner particles for u = (y, 0, 0), whose divergence is zero.
+    // Returns the root mean square of sum_j (u_i - u_j) . g_ij over inner particles for u = (y, 0, 0), divergence 0.
     [[nodiscard]] double divergence_of_shear(const GradientCorrection* correction) const {
         const std::vector<float> zero(particles.y.size());
         const ConstVectorArrays u{particles.y.data(), zero.data(), zero.data()};

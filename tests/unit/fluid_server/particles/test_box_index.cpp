@@ -1,4 +1,4 @@
-// Boxes near a place, and columns of water.
+// Boxes near a position, and columns of water.
 
 #include <algorithm>
 #include <array>
@@ -160,7 +160,7 @@ TEST_CASE("many boxes answer as one after the other does: sight, contact, the cl
             });
             each[o].clamp(pushed);
         }
-        // Lines longer than the support radius are nobody's question: only the others must agree.
+        // Lines of sight longer than the support radius do not matter: only shorter ones must agree.
         unsigned short_lines = 0;
         for (std::size_t l = 0; l < asked_of.size(); ++l) {
             const float dx = x[l] - to[0], dy = y[l] - to[1], dz = z[l] - to[2];

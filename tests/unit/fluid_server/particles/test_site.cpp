@@ -43,7 +43,7 @@ TEST_CASE("a site's walls are the outlines of what is not water", "[site]") {
     const MapLine box{{4, 4}, {6, 4}, {6, 6}, {4, 6}};
     CHECK(count(walls_of(shape_of({}), 0, 0)) == Count{4, 0, 0});
     CHECK(count(walls_of(shape_of({box}), 0, 0)) == Count{8, 4, 0});
-    // An L has one inner corner, whichever way round it is drawn.
+    // An L has one inner corner, clockwise and counter-clockwise.
     MapLine l{{4, 4}, {6, 4}, {6, 5}, {5, 5}, {5, 6}, {4, 6}};
     CHECK(count(walls_of(shape_of({l}), 0, 0)) == Count{10, 5, 0});
     std::reverse(l.begin(), l.end());

@@ -95,7 +95,7 @@ TEST_CASE("a lattice has rest density in a channel as narrow as the scene checks
         CHECK(density_between_banks(KernelKind::quartic_spline, across) == Approx(1).margin(1e-4));
         CHECK(density_between_banks(KernelKind::wendland_c2, across) == Approx(1).margin(1e-4));
     }
-    // The images of images at two spacings are missing here, with the share of the kernel that lies in those planes.
+    // Mirror particles of mirror particles at two spacings are missing here: the kernel's fraction in those planes.
     const double missing = 1 - density_between_banks(KernelKind::wendland_c2, 1);
     const WendlandC2 kernel(static_cast<float>(3 * spacing));
     double share = 0;
@@ -144,7 +144,7 @@ TEST_CASE("every place round a particle near an obstacle is filled exactly once"
         BoxNumbers near;
         solids.find_obstacles({x, x}, near);
         if (!free(x) || !solids.obstacle_near({x, x}, near)) continue;
-        // Contact keeps particles out of some of the places that would be seen there.
+        // Contact keeps particles out of some of the visible positions.
         bool possible = true;
         float filled = 0;
         const auto fill = [&](const Vec3& particle, const Mirror& mirror) {
@@ -191,7 +191,7 @@ TEST_CASE("two particles see as much of one another past an obstacle and in its 
             const float one = test::shares_seen(solids, {&x, 1}, y, mirror, solids.obstacles())[0];
             const float other = test::shares_seen(solids, {&y, 1}, x, mirror, solids.obstacles())[0];
             in_part += one > 0 && one < 1 ? 1 : 0;
-            // A unit of the last place, by rounding.
+            // One unit of the last digit, by rounding.
             REQUIRE(std::abs(one - other) < 1.5F / whole_share);
         }
     }

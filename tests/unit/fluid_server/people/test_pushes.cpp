@@ -42,7 +42,7 @@ Scene river(ModelKind model) {
     return scene;
 }
 
-// Two whose cones overlap, one at the end where x begins anew, one at the end of the window of `river(mixed)`.
+// Two people with overlapping cones, one at the periodic boundary, one at the edge of the window of `river(mixed)`.
 std::vector<Push> four_people() {
     return {{{6, 3}, {}, {-3, 0.5}, 1, 0.5},
             {{6.25, 3.125}, {-0.25, 0}, {-2, -1}, 1, 0.5},

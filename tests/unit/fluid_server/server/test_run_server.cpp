@@ -27,7 +27,7 @@ std::string session_of_its_own() {
     return "test-fluid-server-" + std::to_string(::getpid()) + "-" + std::to_string(++n);
 }
 
-// One particle whose height is the number of the frame; it remembers what it was told.
+// A model of one particle; its height is the frame number. It stores all that it receives.
 class Counter final : public fluid::FluidModel {
  public:
     [[nodiscard]] std::string_view name() const override { return "counter"; }
@@ -362,7 +362,7 @@ TEST_CASE("threads make room while others want the processors, and come back", "
 }
 
 TEST_CASE("the system tells how long threads were ready without a processor", "[fluid][threads]") {
-    // More threads that work than processors: some must wait, half of the time where nobody else works.
+    // More busy threads than processors: some must wait, half of the time if no other program works.
     const double before = time_without_processor();
     REQUIRE(before >= 0);
     std::atomic<bool> work = true;

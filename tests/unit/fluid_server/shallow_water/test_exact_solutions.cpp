@@ -101,7 +101,7 @@ TEST_CASE("Stoker's dam break at cells of half a metre", "[shallow_water][exact]
     CHECK(worst.speed <= 0.09);
 }
 
-// A wave that runs one way: u = 2 (c - c_0) and each depth travels at u + c = 3 c - 2 c_0, exactly until it breaks.
+// A simple wave: u = 2 (c - c_0) and each depth travels at u + c = 3 c - 2 c_0, exactly until it breaks.
 TEST_CASE("the order of convergence on a smooth wave is at least 1.7", "[shallow_water][exact]") {
     const double length = 20, depth = 1, height = 0.1, c0 = std::sqrt(g * depth), end = 1.5;
     const auto start = [&](double x) {

@@ -97,7 +97,7 @@ TEST_CASE("a lake with houses at an angle stays at rest", "[site]") {
 }
 
 TEST_CASE("a dam break down a street at an angle is that down a straight one", "[site]") {
-    // At 30 degrees against 0, by places along the street: 2 % of H and of sqrt(g H) is what the project asks for.
+    // At 30 degrees against 0, by positions along the street: the project asks for 2 % of H and of sqrt(g H).
     constexpr std::size_t places = 28;
     const auto profile = [&](double degrees, std::vector<double>& speed) {
         ShallowWater world(street(degrees, 0.25));
@@ -133,7 +133,7 @@ TEST_CASE("a dam break down a street at an angle is that down a straight one", "
 }
 
 TEST_CASE("water that slides along a slanted wall is not braked", "[site]") {
-    // A ring of streets would need curves; here a long straight one, in which the middle does not yet know of the ends.
+    // A ring of streets would need curves. In this long straight street no wave from the ends reaches the middle yet.
     Scene scene = empty_site(60, 60, 0.5);
     const Turn turn(30, 30, 30);
     scene.site->houses = {house_of(turn.box(-40, 40, 2.5, 12)), house_of(turn.box(-40, 40, -12, -2.5))};

@@ -239,7 +239,7 @@ TEST_CASE("a frame that fails says so and keeps the state at its begin and the l
 }
 
 TEST_CASE("a particle that leaps over its neighbours in one step is a numerical failure", "[fluid][state][errors]") {
-    // Five particles almost at one place: the gradients that should part them all but vanish, so the pressure does not.
+    // Five particles lie almost at one position. The gradients that should part them nearly vanish, pressure does not.
     // The others, alone, keep the mean compression small.
     Scene scene = test::tank(10, 10, 1, 0.25);
     scene.world->gravity = 1;

@@ -57,7 +57,7 @@ inline std::vector<Vec3> accelerations(const Vehicles& vehicles, const steering:
     find_neighbours(grid, Solids(scene), p, reach, lists);
     std::vector<float> x(padded(100)), y(padded(100)), z(padded(100));
     steering::sum_flock(0, p, lists, settings, {x.data(), y.data(), z.data()});
-    // In the order in which they were given.
+    // In the order of the input.
     std::vector<Vec3> result(p.count);
     for (std::size_t i = 0; i < p.count; ++i) {
         for (std::size_t k = 0; k < p.count; ++k) {

@@ -39,7 +39,7 @@ TEST_CASE("separation is weight ((radius / r)^2 - 1), apart, bounded, nothing be
     check_vector(accelerations({{here, {11.01F, 10, 10}}, {still, still}}, s)[0], 0, 0, 0);
     const double most = 2 * (1 / (0.3 * 0.3) - 1);
     check_vector(accelerations({{here, {10.01F, 10, 10}}, {still, still}}, s)[1], most, 0, 0);
-    // In one and the same place there is no direction.
+    // Two particles at the same position have no direction.
     check_vector(accelerations({{here, here}, {still, still}}, s)[0], 0, 0, 0);
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("alignment steers to the mean velocity of the neighbours", "[steering]
     const auto a = accelerations(
         {{here, {11, 10, 10}, {10, 11.5F, 10}, {15, 15, 15}}, {still, {1, 0, 0}, {0, 2, 0}, {1, 1, 1}}}, s);
     check_vector(a[0], 4 * 0.5, 4 * 1.0, 0);
-    check_vector(a[3], 0, 0, 0);  // sees nobody
+    check_vector(a[3], 0, 0, 0);  // sees no particle
 }
 
 TEST_CASE("a neighbourhood's angle counts from the velocity; a particle at rest sees all round", "[steering]") {

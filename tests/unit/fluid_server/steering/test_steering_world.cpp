@@ -134,7 +134,7 @@ TEST_CASE("no particle is faster than max_speed or is accelerated by more than m
     CHECK(seen <= fastest * (1 + 1e-5));
     CHECK(seen > 0.2 * fastest);
 
-    // Two in nearly one place, with the smallest force: in one step they part no faster than it allows.
+    // Two particles almost at one position, with the smallest force: in one step they part no faster than it allows.
     scene = steering_tank(0.8, 0.8, 0.1, 0.1);
     scene.channel->water_blocks = {{{0.3, 0.4}, {0.3, 0.4}, 0.1, 0.3}};
     scene.fluid->steering.max_force = 0.01;

@@ -1,5 +1,5 @@
-// Who may open a segment: its owner, and its owner's group where both sides ask for that. The parts with a second user
-// or a file system of their own need root and say so where they are left out.
+// Access to a segment: for its owner, and for its owner's group if both sides ask for that. Tests with a second user or
+// a file system of their own need root; without root they warn and are skipped.
 
 #include <fcntl.h>
 #include <grp.h>

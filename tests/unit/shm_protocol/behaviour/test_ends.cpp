@@ -1,4 +1,4 @@
-// The ways a stream ends while both processes are well: to its end, by a goodbye, by giving up, by running out of time.
+// Ends of a stream while both processes live: the final frame, a consumer that leaves, an abort, a time-out.
 
 #include <unistd.h>
 
@@ -258,7 +258,7 @@ TEST_CASE("an entry that was left rests until the next frame is published") {
     Subscriber(session.name(), "first", {.waiting = patient()}).leave();
     Subscriber(session.name(), "second", {.waiting = patient()}).leave();
     CHECK(name_of(0) == "first");
-    CHECK(name_of(1) == "second");  // nobody knows yet whether the producer had seen the first one join
+    CHECK(name_of(1) == "second");  // the producer may not have seen the first one join yet
     publish_next(publisher);
     const Subscriber third(session.name(), "third", {.waiting = patient()});
     CHECK(name_of(0) == "third");

@@ -1,4 +1,4 @@
-// Words of a segment that somebody else writes while the stream runs: an error on both sides, never an early end.
+// A foreign write to words of a segment while the stream runs: an error on both sides, never an early end.
 
 #include <catch2/catch.hpp>
 
@@ -10,7 +10,7 @@ using namespace wade::shm::test;
 
 namespace {
 
-// A stream whose first frame was taken and released.
+// A stream after its first frame was taken and released.
 struct Stream {
     explicit Stream(bool follows = false)
         : publisher(session.name(), test_info(), hurried()),

@@ -16,7 +16,7 @@ StreamInfo info_of(StreamKind kind, std::uint64_t ticks_per_frame) {
     return info;
 }
 
-// Of frame f + `frames`, whose tick is `ticks` above the one of frame f.
+// Returns the fault of frame f + `frames` with a tick `ticks` above that of frame f.
 std::string fault(std::uint64_t ticks_per_frame, std::uint64_t ticks, std::uint64_t frames = 1, bool final = false,
                   StreamKind kind = stream_fluid) {
     return tick_fault(info_of(kind, ticks_per_frame), {7 + frames, 1000 + ticks}, final, FrameTick{7, 1000});

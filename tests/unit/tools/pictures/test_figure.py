@@ -180,7 +180,7 @@ def water_scene(length=27.0, width=13.5, spacing=0.4642, depth=1.0, obstacles=()
 
 
 def parts_in_cells(places, width, start, cell, count):
-    """Of an interval of this width round each place the part in each cell; what lies beyond the cells is dealt to the rest."""
+    """Returns the fraction of each interval, `width` wide round a place, in each cell; fractions add up to 1."""
     low = np.maximum(places - width / 2 - start, 0) / cell
     high = np.minimum((places + width / 2 - start) / cell, count)
     cells = np.arange(count)
@@ -189,7 +189,7 @@ def parts_in_cells(places, width, start, cell, count):
 
 
 def counted(x, z, described, cell=0.5):
-    """What read_water gives of columns of water, each of spacing by spacing and 1 m, in these places."""
+    """Returns the result of read_water for water columns at these positions, each of spacing by spacing and 1 m."""
     channel, spacing = described["channel"], described["fluid"]["particle_spacing_m"]
     parts = []
     for axis, places in (("z", z), ("x", x)):
@@ -200,7 +200,7 @@ def counted(x, z, described, cell=0.5):
 
 
 def lattice(described):
-    """Places of columns of water that fill the channel evenly, as many as the spacing asks for."""
+    """Returns positions of water columns that fill the channel evenly, as many as the spacing asks for."""
     channel, spacing = described["channel"], described["fluid"]["particle_spacing_m"]
     sides = []
     for axis in "xz":
@@ -297,7 +297,7 @@ class Groups(unittest.TestCase):
         self.assertEqual(figure.rows_of_groups(many), 3)
 
     def test_outcomes_differ_in_shape_and_their_lightness_from_their_rim(self):
-        """Who sees no colours tells them by the shape, and sees the shape by its rim: a contrast of 3 (WCAG 1.4.11)."""
+        """Shapes distinguish outcomes without colours; a rim makes a shape visible: a contrast of 3 (WCAG 1.4.11)."""
         styles = top_view.OUTCOMES.values()
         self.assertEqual(len({style["marker"] for style in styles}), len(styles))
 

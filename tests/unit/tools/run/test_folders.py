@@ -1,4 +1,4 @@
-"""Where runs go: names of folders, and the first place that can be written."""
+"""Folders of runs: their names, and the first writable location."""
 
 import os
 import tempfile

@@ -1,4 +1,4 @@
-"""The lost at other hazards of drowning, against people whose whole drifts are known, and how drifts ended."""
+"""Losses at other hazards of drowning, against people with known whole drifts, and how drifts ended."""
 
 import types
 import unittest
@@ -13,7 +13,7 @@ LEFT = 0.2  # of the drifts that end off the map
 
 
 class Known:
-    """People whose exposures, chances and ends are drawn, and what becomes of them at a hazard."""
+    """People with drawn exposures, chances and ends, and their fates at a hazard."""
 
     def __init__(self, seed=1):
         random, count = np.random.default_rng(seed), RUNS * PEOPLE
@@ -23,7 +23,7 @@ class Known:
         self.chance = random.exponential(1, count)
 
     def lost(self, hazard):
-        """Which are lost at a hazard."""
+        """Returns a mask of the people that are lost at a hazard."""
         return self.leaves | (hazard * self.whole >= self.chance)
 
     def case(self, hazard):

@@ -1,4 +1,4 @@
-"""Morris and Sobol against Ishigami and Homma's function, whose indices are known in closed form."""
+"""Morris and Sobol indices of Ishigami and Homma's function, against their closed forms."""
 
 import unittest
 

@@ -1,4 +1,4 @@
-"""Density of last places and drift, against closed forms."""
+"""Density of last positions and drift, against closed forms."""
 
 import unittest
 

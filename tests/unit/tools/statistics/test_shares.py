@@ -60,7 +60,7 @@ class DesignEffect(unittest.TestCase):
             self.assertEqual(design_effect(counts, [50] * len(counts)), 1.0)
 
     def test_is_the_number_of_agents_if_all_share_one_fate(self):
-        # Half of many runs lose everybody: the variance is n^2/4 instead of n/4.
+        # Half of many runs lose all agents: the variance is n^2/4 instead of n/4.
         self.assertAlmostEqual(design_effect([0, 50] * 200, [50] * 400), 50, delta=0.2)
 
     def test_widens_the_interval(self):
@@ -206,9 +206,9 @@ CLASSES = (0.02, 0.1, 0.5, 0.9, 1.01)  # of cells by the share of ensembles that
 
 
 class Coverage(unittest.TestCase):
-    """Wanted of nominal 0.95: 0.93 of the intervals that are given, in each cell in which 2 % of the ensembles get one.
+    """Given intervals of nominal 0.95 cover at least 0.93, in each cell where 2 % of the ensembles get an interval.
 
-    A cell fails if that many wrong ones come once in 1000 where 0.07 are wrong; classes of cells have no such slack.
+    A cell fails if so many wrong intervals have a chance below 1 in 1000 at 0.07 wrong; classes of cells have no slack.
     """
 
     def test_of_given_intervals(self):
@@ -240,7 +240,7 @@ class Coverage(unittest.TestCase):
             told = []
             a, b = share * (1 - alike) / alike, (1 - share) * (1 - alike) / alike
             for _ in range(times):
-                water = random.beta(a, b, size=runs)  # which the two of a pair share
+                water = random.beta(a, b, size=runs)  # common to both runs of a pair
                 first, second = random.binomial(people, 0.8 * water), random.binomial(people, water)
                 result = compared(first.tolist(), second.tolist(), [people] * runs)
                 if result.low is not None:

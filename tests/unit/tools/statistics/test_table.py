@@ -26,7 +26,7 @@ SCENE = {"crowd": {"response": "measured", "goal_radius_m": 2, "groups": [{"name
 
 
 def write_run(folder, seed, arrive, drown, people=20, status="completed"):
-    """A run in which the first arrive, the next drown at (30, 25) and the others walk."""
+    """Writes a run: the first people arrive, the next drown at (30, 25) and the others walk."""
     folder.mkdir(parents=True)
     states = ["arrived"] * arrive + ["drowned"] * drown + ["walking"] * (people - arrive - drown)
     outcome = {"arrived": "arrived", "drowned": "dead", "walking": "active"}

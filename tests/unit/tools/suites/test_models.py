@@ -1,4 +1,4 @@
-"""The rules by which models are compared: what counts as kept, cheapest, near, useless, the same; runs nothing."""
+"""Rules of the comparison of models: kept, cheapest, near, useless, the same; runs nothing."""
 
 import math
 import unittest

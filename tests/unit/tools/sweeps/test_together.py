@@ -1,4 +1,4 @@
-"""Hand in hand against alone: who is compared with whom, and the exact test."""
+"""Linked people against single ones: pairs of the comparison, and the exact test."""
 
 import unittest
 

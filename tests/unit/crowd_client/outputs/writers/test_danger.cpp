@@ -14,7 +14,7 @@ using wade::crowd::testing::one_agent_scene;
 
 namespace {
 
-// A scene whose channel has two cells of 2 x 2 m, side by side along x from (10, 20), and an agent in the first.
+// A channel of two cells of 2 x 2 m, side by side along x from (10, 20), and an agent in the first cell.
 Scene two_cells() {
     Scene scene = one_agent_scene(11, 21, 75, 50, 0.5);
     scene.channel->x = {10, 14};
@@ -164,7 +164,7 @@ TEST_CASE("A lattice has its depth in every cell, whatever its spacing") {
         const GroundCells& grid = run.record.grid();
         for (std::size_t c = 0; c < grid.cells(); ++c) {
             const std::size_t column = c % grid.columns;
-            if (column == 0 || column + 1 == grid.columns) continue;  // whose lattice ends anywhere
+            if (column == 0 || column + 1 == grid.columns) continue;  // the lattice may end anywhere in it
             CHECK(run.record.cells()[c].max_depth == Approx(d));
             CHECK(run.record.cells()[c].max_depth_speed == Approx(2 * d));
         }
@@ -195,7 +195,7 @@ TEST_CASE("A particle of whatever mass at the corner of the channel counts in it
     Recorded run(two_cells(), 1.0 / 30);
     MadeUpWater water;
     for (const double mass : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) water.add(10, 20, mass, 1, 1);
-    run.add(water);  // whose sums are no numbers, in that cell alone
+    run.add(water);  // the sums of that cell alone are not finite
     CHECK(run.record.cells()[1].largest == DangerLevel::none);
 
     Scene scene = two_cells();

@@ -57,7 +57,7 @@ TEST_CASE("a text from another process cannot disturb a terminal") {
     CHECK(shown("a\xC2\x9B"
                 "2Jb") == "a?2Jb");  // and as UTF-8
     CHECK(shown("a\xE2\x80\xAE"
-                "b") == "a?b");  // text runs the other way from here
+                "b") == "a?b");  // text runs from right to left from here
     CHECK(shown("a\xE2\x80\x8B\xEF\xBB\xBF"
                 "b") == "a??b");  // without width
 }

@@ -1,4 +1,4 @@
-"""The closed form of who holds against the water, and the sections on depth times velocity, on a sweep that is made up."""
+"""The closed form of people that withstand the water, and the sections on depth times velocity, on a made-up sweep."""
 
 import copy
 import csv

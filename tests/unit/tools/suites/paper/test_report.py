@@ -1,4 +1,4 @@
-"""The begin of the report, and the page on people who answer the water by their bodies, on made-up results."""
+"""The start of the report, and the page on the measured response of people, on made-up results."""
 
 import tempfile
 import unittest
