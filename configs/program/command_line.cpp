@@ -183,8 +183,8 @@ Parsed parse(const ProgramDescription& program, int argc, const char* const* arg
 std::string check_text(const RunOptions& options, const Scene& scene) {
     std::uint64_t agents = 0;
     for (const AgentGroup& group : scene.crowd->groups) agents += static_cast<std::uint64_t>(group.count);
-    std::string particles;  // cells of a site have room of their own
-    if (!scene.site || scene.fluid->model != ModelKind::shallow_water) {
+    std::string particles;  // cells have room of their own
+    if (scene.fluid->model != ModelKind::shallow_water) {
         particles = std::to_string(particles_needed(scene)) + " of " + std::to_string(scene.fluid->max_particles) +
                     " particles needed, ";
     }
