@@ -129,7 +129,7 @@ std::string words_of(StandingReason hold, const Crowd& settings, bool in_site) {
 void warn(CrowdWorld& crowd, StandingReason hold, const std::vector<std::uint32_t>& ids, std::uint64_t step) {
     constexpr std::size_t shown = 3;
     std::ostringstream text;
-    text << (ids.size() == 1 ? "somebody stands" : std::to_string(ids.size()) + " people stand")
+    text << (ids.size() == 1 ? "a person stands" : std::to_string(ids.size()) + " people stand")
          << " since t = " << std::max(0.0, static_cast<double>(step) * crowd.dt - standing_time)
          << " s, a twentieth of the free way or less in " << standing_time << " s: ";
     for (std::size_t i = 0; i < std::min(shown, ids.size()); ++i) {
@@ -139,7 +139,7 @@ void warn(CrowdWorld& crowd, StandingReason hold, const std::vector<std::uint32_
     }
     if (ids.size() > shown) text << " and others";
     text << "; " << words_of(hold, crowd.scene.crowd, crowd.navigation.site.has_value())
-         << " (said once; outcome.json counts who stands)";
+         << " (said once; outcome.json counts the standing)";
     crowd.warnings.push_back(text.str());
 }
 

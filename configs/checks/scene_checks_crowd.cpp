@@ -259,7 +259,7 @@ void check_hands(const Scene& scene, const AgentGroup& group, const std::string&
     if (scene.crowd->response != ResponseKind::measured || group.tau) {
         refuse(source, key,
                hands +
-                   ": people who answer the water by tau hold nobody; allowed: \"none\", or the response "
+                   ": people that answer the water by tau hold no others; allowed: \"none\", or the response "
                    "\"measured\" and no tau of the group.");
     }
     const bool along_x = group.hand_in_hand == HandInHand::along_x;
@@ -276,7 +276,8 @@ void check_rescuers(const Scene& scene, const AgentGroup& group, const std::stri
     if (!group.rescuer) return;
     if (scene.crowd->response != ResponseKind::measured || group.tau) {
         refuse(source, pointer + "/rescuer",
-               "true: people who answer the water by tau hold nobody; allowed: false, or the response \"measured\" and "
+               "true: people that answer the water by tau hold no others; allowed: false, or the response \"measured\" "
+               "and "
                "no tau of the group.");
     }
     if (group.hand_in_hand == HandInHand::none) return;
@@ -288,7 +289,7 @@ void check_rescuers(const Scene& scene, const AgentGroup& group, const std::stri
 void check_rope(const Scene& scene, const Rope& rope, const std::string& source, const std::string& pointer) {
     if (scene.crowd->response != ResponseKind::measured) {
         refuse(source, pointer,
-               "people who answer the water by tau hold no rope; allowed: no ropes, or the response \"measured\".");
+               "people that answer the water by tau hold no rope; allowed: no ropes, or the response \"measured\".");
     }
     if (rope.to_x.has_value() != rope.to_z.has_value()) {
         refuse(source, pointer + "/to", "an end has x_m and z_m; allowed: both, or neither.");

@@ -131,7 +131,7 @@ void check_lodgers(const Scene& scene, const std::string& source, Problems& prob
         if (group.starts != StartRule::houses || group.count > 0) continue;
         problems.attempt([&] {
             refuse(source, "/crowd/groups/" + std::to_string(g) + "/start/from",
-                   "nobody lives in houses of group \"" + group.name +
+                   "no people live in houses of group \"" + group.name +
                        "\"; allowed: residents of /site/houses, which are the first such group's, or of its "
                        "residents_csv.");
         });

@@ -361,7 +361,7 @@ void check_starts_on_site(const Scene& scene, const HouseFinder& houses, const s
         if (!house && has_ground(scene.site->ground, p)) continue;
         told[starts[i].group] = true;
         const std::string where = house ? "in the house " + house->label +
-                                              ". Remedy: start beside it; who is indoors at t = 0 are its residents."
+                                              ". Remedy: start beside it; people indoors at t = 0 are its residents."
                                         : "where the ground has no height. Remedy: start on the ground.";
         problems.attempt([&] {
             refuse(source, "/crowd/groups/" + std::to_string(starts[i].group) + "/start",

@@ -63,7 +63,7 @@ std::string candidate_line(const Candidate& c, const Candidate& chosen) {
 
 std::string meeting_line(const std::optional<Meeting>& meeting, double duration) {
     if (!meeting)
-        return "pilot: no scout, as \"shallow_water\" cannot take this scene or nobody comes into its channel";
+        return "pilot: no scout, as \"shallow_water\" cannot take this scene or no people come into its channel";
     const Meeting& m = *meeting;
     std::string text = "pilot: shallow water through " + digits(m.until, 3) + " of " + digits(duration, 4) + " s (" +
                        std::to_string(m.cell_steps) + " cell-steps): ";

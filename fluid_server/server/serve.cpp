@@ -28,7 +28,7 @@ Pace pace_of(const std::string& word) {
 }
 
 std::string waits_for(int consumers) {
-    if (consumers == 0) return "waiting for nobody";
+    if (consumers == 0) return "waiting for no crowd";
     return consumers == 1 ? "waiting for a crowd" : "waiting for " + std::to_string(consumers) + " consumers";
 }
 
@@ -74,7 +74,7 @@ RunControl::Hooks control_hooks(shm::Publisher& publisher, RunClock& clock, Cons
 std::vector<ProgramOption> server_options() {
     return {
         {"--consumers",
-         "Consumers in lockstep to wait for before frame 1, 0 to 16; 0: wait for nobody, free-running readers take "
+         "Consumers in lockstep to wait for before frame 1, 0 to 16; 0: wait for none, free-running readers take "
          "what they can",
          NumberRange{0, shm::max_consumers, true}, 1},
         {.name = "--clock",

@@ -40,9 +40,10 @@ void Link::say_goodbye(ConsumerState last, int reason_code, std::string_view tex
 void Link::check_entry(std::uint64_t acknowledged) const {
     const auto demand = [this](const char* word, std::uint64_t wrote, std::uint64_t reads) {
         if (wrote == reads) return;
-        throw Error(Failure::protocol_violation,
-                    std::string("Somebody else has written into this consumer's page of the shared-memory segment: ") +
-                        word + " is " + std::to_string(reads) + ", it was " + std::to_string(wrote) + ".");
+        throw Error(
+            Failure::protocol_violation,
+            std::string("Another process has written into this consumer's page of the shared-memory segment: ") + word +
+                " is " + std::to_string(reads) + ", it was " + std::to_string(wrote) + ".");
     };
     demand("state", consumer_joined, load_acquire(entry->state));
     demand("mode", mode, load_relaxed(entry->mode));

@@ -80,8 +80,9 @@ void PublisherState::check_words(std::uint32_t i, std::uint32_t consumer_state) 
 void PublisherState::check_own_page() const {
     const Control& control = pages.control();
     if (load_relaxed(control.state) == state && load_relaxed(control.published_frame) == published) return;
-    throw Error(Failure::protocol_violation, "Somebody else has written into the control page of " + name + ": state " +
-                                                 std::to_string(load_relaxed(control.state)) + ", published_frame " +
+    throw Error(Failure::protocol_violation, "Another process has written into the control page of " + name +
+                                                 ": state " + std::to_string(load_relaxed(control.state)) +
+                                                 ", published_frame " +
                                                  std::to_string(load_relaxed(control.published_frame)) + ".");
 }
 

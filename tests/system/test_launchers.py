@@ -115,7 +115,7 @@ class RunScript(Launcher):
                 outcome = run_sh.run.outcome()
                 self.assertEqual((outcome["status"], outcome["mode"]), ("completed", "latest"))
                 self.assertGreater(outcome["frames"], 1)
-                self.assertIn("waiting for nobody", unwrapped((run_sh.run.folder / "fluid_server.log").read_text()))
+                self.assertIn("waiting for no crowd", unwrapped((run_sh.run.folder / "fluid_server.log").read_text()))
 
     def test_latest_frames_of_another_producer_beside_a_recorder(self):
         file = self.folder / "run.wrec"
@@ -124,7 +124,7 @@ class RunScript(Launcher):
         self.assert_ended_well(run_sh)
         self.assertEqual(run_sh.run.outcome()["mode"], "latest")
         self.assertIn(f"recording: {file}", self.output_of(run_sh))
-        self.assertIn("waiting for nobody", unwrapped((run_sh.run.folder / "producer.log").read_text()))
+        self.assertIn("waiting for no crowd", unwrapped((run_sh.run.folder / "producer.log").read_text()))
 
     def test_many_crowds_can_take_the_latest_frames(self):
         run_sh = self.run_sh("run", *SHORT, "--mode=latest", *self.list_of_crowds("a", "b"))

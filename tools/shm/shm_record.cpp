@@ -167,7 +167,7 @@ int main(int argc, char** argv) {
     arguments.positional("FILE", o.file, "Recording to be written; an older recording is replaced");
     arguments.word("--stream", o.stream, "What to record: the water or the way back",
                    {"KIND", "", {"fluid", "agents"}});
-    arguments.flag("--lead", o.lead, "Be somebody for whom the stream starts and goes on, as a crowd is");
+    arguments.flag("--lead", o.lead, "Let the stream start and go on for this program, as for a crowd");
     arguments.number("--frames", o.frames, "Leave after N frames, the run goes on; 0: stay to the end", "N", {0, 1e15},
                      Whole::yes);
     arguments.number("--compression", o.compression, "0 stores, 1 to 19 compress, faster to smaller", "LEVEL", {0, 19},

@@ -38,7 +38,7 @@ constexpr const char* usage =
     "or splishsplash_producer SCENE.json --measure DIR --until-s T --frame-s E [--reproducible] [--log-dir DIR]\n"
     "Simulates T seconds of the model, and publishes nothing.\n"
     "  --measure DIR   writes DIR/frames.bin, every E seconds, and DIR/cost.json, see tools/splishsplash/README.md\n"
-    "Exit codes: 0 ok, 1 unexpected, 2 bad usage or scene, 3 nobody came, 4 peer dead, 5 peer aborted,\n"
+    "Exit codes: 0 ok, 1 unexpected, 2 bad usage or scene, 3 no consumer came, 4 peer dead, 5 peer aborted,\n"
     "6 protocol violation, 7 step time-out, 8 name in use, 130 or 143 interrupted.\n";
 
 struct Options {

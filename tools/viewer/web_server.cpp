@@ -167,7 +167,7 @@ struct Server {
         if (!error) acceptor.non_blocking(true, error);
         if (error)
             throw ConfigurationError("--port " + std::to_string(wanted) + ": " + error.message() +
-                                     "; allowed: a port that nobody has, 0 takes one.");
+                                     "; allowed: a free port, 0 takes one.");
         port = acceptor.local_endpoint().port();
     }
 

@@ -35,14 +35,14 @@ void fields(Channel& channel, Fields& f) {
     f.number("x_max_m", channel.x.hi, "m", from(0).to(1e5), "Upstream end.", required);
     f.number("z_min_m", channel.z.lo, "m", from(0).to(1e5), "One bank.", required);
     f.number("z_max_m", channel.z.hi, "m", from(0).to(1e5), "The other bank.", required);
-    f.choice("flow", channel.flow,
-             "emitter: an opening over the whole width at x_max_m feeds the channel at velocity_m_s, and what passes "
-             "x_min_m returns to its stock. recirculating: periodic along x, the bulk speed is held at velocity_m_s. "
-             "periodic: periodic along x, and nothing holds the speed: it starts at velocity_m_s, then slope and "
-             "friction decide. closed: walls at both ends, for people too unless their goal lies beyond; nobody falls "
-             "at x = "
-             "0.",
-             required);
+    f.choice(
+        "flow", channel.flow,
+        "emitter: an opening over the whole width at x_max_m feeds the channel at velocity_m_s, and what passes "
+        "x_min_m returns to its stock. recirculating: periodic along x, the bulk speed is held at velocity_m_s. "
+        "periodic: periodic along x, and nothing holds the speed: it starts at velocity_m_s, then slope and "
+        "friction decide. closed: walls at both ends, for people too unless their goal lies beyond; no people fall "
+        "at x = 0.",
+        required);
     f.choice("sides", channel.sides, "What z_min_m and z_max_m are: banks, or one and the same place.");
     f.choice("top", channel.top,
              "open: air above the water. wall: a lid at height_m, for flows that fill the channel. periodic: height_m "

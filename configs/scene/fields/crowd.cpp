@@ -64,7 +64,7 @@ void fields(EvasionSettings& evasion, Fields& f) {
     f.choice("rule", evasion.rule,
              "off: as in the source, agents do not look at the water. flee: one with water within the radius, all on "
              "one side of it, goes the opposite way instead of towards its goal. evasion: away from where that water "
-             "will be. Who is surrounded by water goes on towards the goal.");
+             "will be. Agents surrounded by water go on towards the goal.");
     f.acts_only(
         {"with /crowd/evasion/rule \"flee\" or \"evasion\"",
          [&](const Scene&) { return evasion.rule != EvasionRule::off; }},
@@ -79,15 +79,16 @@ void fields(EvasionSettings& evasion, Fields& f) {
 }
 
 void fields(NavigationSettings& navigation, Fields& f) {
-    f.choice("rule", navigation.rule,
-             "straight: as in the source, towards the goal; an obstacle on the way is slid along, and who meets one "
-             "face to face may stand before it. travel_time: the quickest way round the obstacles, at least "
-             "body_radius_m (0.72 of it with bodies) away from them where the ground allows it, by a field of the "
-             "travel time to each goal "
-             "(fast marching); towards the goal once it is in sight. An agent that starts without a way to its goal "
-             "is refused. auto: travel_time for a goal as soon as an obstacle stands between it and somebody who "
-             "wants there, looked for once a second, with cells small enough for each gap that a person fits through; "
-             "straight, without any cost, where none does. With crowding always travel_time.");
+    f.choice(
+        "rule", navigation.rule,
+        "straight: as in the source, towards the goal; agents slide along an obstacle, or stand before one that "
+        "they meet face to face. travel_time: the quickest way round the obstacles, at least "
+        "body_radius_m (0.72 of it with bodies) away from them where the ground allows it, by a field of the "
+        "travel time to each goal "
+        "(fast marching); towards the goal once it is in sight. An agent that starts without a way to its goal "
+        "is refused. auto: travel_time for a goal as soon as an obstacle stands between it and an agent "
+        "with that goal, looked for once a second, with cells small enough for each gap that a person fits through; "
+        "straight, without any cost, where none does. With crowding always travel_time.");
     f.number("cell_m", navigation.cell, "m", from(0.1).to(10),
              "Largest cell of the field; where a site has no cell_m, as large as a million cells of it are. Gaps "
              "between obstacles must be a cell plus 2 body_radius_m (1.44 with bodies) "
@@ -398,10 +399,10 @@ void fields(AgentGroup& group, Fields& f, const AgentGroup& of_crowd) {
                  "How: hands pull, 220 N at most, 140 N of women. arms, across backs, also push as much, as a file in "
                  "a stream needs.");
     });
-    f.flag(
-        "rescuer", group.rescuer,
-        "Whether they go to whoever is carried within 20 m, as far as they stand safely, throw a line of 15 m and "
-        "bring in whom it holds. Their goal is where they wait; they arrive there last. With the response measured.");
+    f.flag("rescuer", group.rescuer,
+           "Whether they go to people carried within 20 m, as far as they stand safely, throw a line of 15 m and "
+           "bring in the person on it. Their goal is where they wait; they arrive there last. With the response "
+           "measured.");
     table_of_people(group.people, f, &group);
 }
 
@@ -431,7 +432,8 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         "How agents answer the water. paper: the momentum of the particles that touch them moves them, Eq. 6-9, by tau "
         "and "
         "/coupling/rule. measured: by their bodies, with drag, buoyancy and what their feet hold, as people in flumes; "
-        "they slide, topple, drift, get up and drown. Groups with a tau of their own, and whom an event gives one, "
+        "they slide, topple, drift, get up and drown. Groups with a tau of their own, and agents that get one by an "
+        "event, "
         "answer as paper.");
     f.acts_only(by_body(nullptr), [&] {
         f.choice("walking_in_water", crowd.walking_in_water,
@@ -457,9 +459,10 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
         f.flag("helping", crowd.helping,
                "A standing person with a free hand takes hold of people carried past within 0.8 m.");
     });
-    f.list("ropes", crowd.ropes,
-           "Response measured: ropes in the water. Who has both hands free holds on to one within 0.8 m, with 440 N at "
-           "most, 280 N of women: who is carried past, and who walks along it.");
+    f.list(
+        "ropes", crowd.ropes,
+        "Response measured: ropes in the water. People with both hands free who are carried past one or walk along it, "
+        "within 0.8 m, hold on to it, with 440 N at most, 280 N of women.");
     f.choice("speed_rule", crowd.speed_rule,
              "Reading of Eq. 4, m the sum of the weighted ways to the markers. pi: speed min(pi |m| / 1 s, desired "
              "speed), so that a free agent walks at 0.99 of it. per_frame: way min(|m|, desired speed * dt) in a step. "
@@ -474,8 +477,8 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
              "Smallest distance of two markers.");
     f.choice("markers", crowd.markers,
              "fixed: drawn once, at random with the minimum distance, as in the source. redrawn: drawn anew every "
-             "marker_epoch_s, one in each of sqrt(markers_per_cell) x sqrt(markers_per_cell) sub-cells, so that crowds "
-             "whose ways cross do not lock; no memory, and the crowd steps faster.");
+             "marker_epoch_s, one in each of sqrt(markers_per_cell) x sqrt(markers_per_cell) sub-cells, so that "
+             "crossing crowds do not lock; no memory, and the crowd steps faster.");
     f.acts_only({"with /crowd/markers \"redrawn\"", [&](const Scene&) { return crowd.markers == MarkerRule::redrawn; }},
                 [&] {
                     f.number("marker_epoch_s", crowd.marker_epoch, "s", from(0).to(1e6),
@@ -483,12 +486,14 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
                 });
     f.choice("bodies", crowd.bodies,
              "none: BioCrowds as in the source, agents are points. fast, human: agents are discs that never overlap "
-             "one another or an obstacle, whatever pushes them, and that get past one another: who is pressed or met "
-             "turns the shoulders, to 0.72 of body_radius_m at least, passes on the right, or steps back. They decide "
-             "every 0.1 s at any rate of steps but 8.5 to 10 a second, where they decide once a step. Who starts too "
-             "close is moved apart. fast: as fast as the way is free. human: slower the less ground is free among "
-             "people who walk the same way, as Weidmann's curve of measured crowds. Meant for redrawn markers: with "
-             "fixed ones crowds whose ways cross lock.");
+             "one another or an obstacle, whatever pushes them, and that get past one another: an agent that is "
+             "pressed or met turns the shoulders, to 0.72 of body_radius_m at least, passes on the right, or steps "
+             "back. They decide "
+             "every 0.1 s at any rate of steps but 8.5 to 10 a second, where they decide once a step. Agents that "
+             "start too close are moved apart. fast: as fast as the way is free. human: slower the less ground is free "
+             "among "
+             "people in the same direction, as Weidmann's curve of measured crowds. Meant for redrawn markers: with "
+             "fixed ones crossing crowds lock.");
     f.number("body_radius_m", crowd.body_radius, "m", above(0).to(0.5),
              "Radius of the discs as long as nothing presses them. Navigation keeps this distance from obstacles, or "
              "0.72 of it with bodies; so gaps of 0.36 m are ways for bodies of 0.25 m.");
@@ -511,7 +516,7 @@ void fields(Crowd& crowd, Fields& f, double frame_rate) {
              "Data for animators (ragdoll.csv): where the water tumbles a character. It changes no path. A row for "
              "each agent and frame of the paths while the condition holds and particles touch the agent, most of the "
              "time.");
-    f.object("paths", crowd.paths, "How often it is written where everybody is (trajectories.sqlite, ragdoll.csv).");
+    f.object("paths", crowd.paths, "How often positions are written (trajectories.sqlite, ragdoll.csv).");
     f.object(
         "poses",
         [&] {

@@ -51,8 +51,8 @@ void fields(Kinematic& kinematic, Fields& f) {
 
 void fields(ShallowWaterGrid& grid, Fields& f) {
     f.number("cell_size_m", grid.cell_size, "m", from(0.001).to(1000),
-             "Cells of the grid are as near to squares of this size as channel length and width allow. A cell whose "
-             "centre lies in an obstacle belongs to it, so whole cells in obstacles are best. Half of it means four "
+             "Cells of the grid are as near to squares of this size as channel length and width allow. A cell with "
+             "its centre in an obstacle belongs to it, so whole cells in obstacles are best. Half of it means four "
              "times the cells and twice the steps.");
 }
 
@@ -87,7 +87,7 @@ void fields(Fluid& fluid, Fields& f) {
         "size of the scene are then only one proposal, and max_particles counts particles of the written spacing.");
     f.number(
         "max_impulse_error", fluid.max_impulse_error, "", from(0).to(1),
-        "For the model auto: the demand on the impulse of the water on people who stand, as the "
+        "For the model auto: the demand on the impulse of the water on standing people, as the "
         "median over them of its relative error against a fine run of dfsph. 0: none, which all other models need. "
         "The default of auto is about what the default settings of dfsph miss in the lee of an obstacle, where they "
         "are "

@@ -165,7 +165,7 @@ void fields(SiteKeys& site, Fields& f) {
     f.list("shelters", site.shelters, "Where people are safe.");
     f.path("residents_csv", site.residents,
            "Table of people: x and y in the site's coordinate system and any of id, age, sex, height, mass, skill, "
-           "group and leaves_at. Who stands in a house starts indoors.");
+           "group and leaves_at. People in a house start indoors.");
 }
 
 }  // namespace wade

@@ -10,7 +10,7 @@ namespace {
 
 void angle_field(Fields& f, FlockBehaviour& behaviour) {
     f.number("angle_deg", behaviour.angle, "deg", from(0).to(180),
-             "Only neighbours whose direction is within this angle of the velocity; 180 is all round. Less is not "
+             "Only neighbours in a direction within this angle of the velocity; 180 is all round. Less is not "
              "reciprocal and gives water a momentum of its own.");
 }
 
@@ -83,10 +83,11 @@ void fields(Steering& s, Fields& f) {
     f.object(
         "walls",
         [&] {
-            f.choice("rule", s.walls,
-                     "force: walls push like a neighbour, weight * ((radius / distance)^2 - 1). constraint: nobody "
-                     "gets nearer than 0.4 d. both: the two together. With force alone a particle that got behind a "
-                     "wall is set back.");
+            f.choice(
+                "rule", s.walls,
+                "force: walls push like a neighbour, weight * ((radius / distance)^2 - 1). constraint: no particle "
+                "gets nearer than 0.4 d. both: the two together. With force alone a particle that got behind a "
+                "wall is set back.");
             f.number("radius", s.wall_radius, "d", above(0).to(3), "Distance within which walls push and take speed.");
             f.number("weight", s.wall_weight, "U2/d", from(0).to(1000), "Of the push.");
             f.number("loss", s.wall_loss, "U/d", from(0).to(10),

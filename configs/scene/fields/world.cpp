@@ -9,17 +9,18 @@ namespace wade {
 
 void fields(World& world, Fields& f) {
     constexpr std::string_view of_raster = "with a site that of its ground's raster";
-    f.number("length_m", world.length, "m", above(0).to(1e5),
-             "Extent along x. x = 0 is the fall, and who is carried over it is dead, unless the flow of the channel is "
-             "closed: then it is a wall.",
-             preset_but(of_raster, [] { return KeyValue(); }));
+    f.number(
+        "length_m", world.length, "m", above(0).to(1e5),
+        "Extent along x. x = 0 is the fall, and people carried over it are dead, unless the flow of the channel is "
+        "closed: then it is a wall.",
+        preset_but(of_raster, [] { return KeyValue(); }));
     f.number("width_m", world.width, "m", above(0).to(1e5), "Extent along z.",
              preset_but(of_raster, [] { return KeyValue(); }));
     f.number("gravity_m_s2", world.gravity, "m/s2", from(0).to(100), "Gravity, along -y.");
     f.choice("ends", world.ends,
              "open: the world ends at x = 0 (the fall, or a wall if the channel is closed) and at length_m (a wall). "
-             "periodic: it repeats along x, so that who walks or is "
-             "carried over one end comes in at the other and nobody dies there; length_m must be a multiple of the "
+             "periodic: it repeats along x, so that people who walk or are "
+             "carried over one end come in at the other and none die there; length_m must be a multiple of the "
              "cells' 2 m and at least 6 m, and a channel that is not dry must be as long as the world and flow "
              "recirculating or periodic. For corridors without ends.");
 }
@@ -27,7 +28,7 @@ void fields(World& world, Fields& f) {
 void fields(Obstacle& obstacle, Fields& f) {
     box_fields(f, obstacle.x, obstacle.z);
     f.number("height_m", obstacle.height, "m", above(0).to(1000),
-             "y of its top; water may flow over it, nobody walks over it.", required);
+             "y of its top; water may flow over it, people do not walk over it.", required);
 }
 
 void fields(Scene& scene, Fields& f) {

@@ -50,8 +50,8 @@ TEST_CASE("hands that no one has or that do not reach are refused, and keys of b
     const std::string two = crowd(group("a", 2, 2, R"(, "columns": 2)"));
     const auto refused = [&](const std::vector<std::string>& set) { return refusal(two, set); };
     const std::string hands = "/crowd/groups/0/hand_in_hand=along_x", measured = "/crowd/response=measured";
-    CHECK_THAT(refused({hands}), Contains("/crowd/groups/0/hand_in_hand: along_x: people who answer the water by tau"));
-    CHECK_THAT(refused({hands, measured, "/crowd/groups/0/tau=0.5"}), Contains("hold nobody"));
+    CHECK_THAT(refused({hands}), Contains("/crowd/groups/0/hand_in_hand: along_x: people that answer the water by tau"));
+    CHECK_THAT(refused({hands, measured, "/crowd/groups/0/tau=0.5"}), Contains("hold no others"));
     CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.9"}),
                Contains("0.9 m apart (/start/pitch_x_m") && Contains("allowed: <= 0.8 m"));
     CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7", "/crowd/groups/0/start/jitter_m=0.1"}),
@@ -120,7 +120,7 @@ TEST_CASE("ropes that lead nowhere are refused") {
     };
     const std::string from = R"("from": {"x_m": 5, "z_m": 6})", to = R"("to": {"x_m": 5, "z_m": 9})";
     CHECK_THAT(refusal(one, {"/crowd/ropes=[{" + from + "," + to + "}]"}),
-               Contains("/crowd/ropes/0: people who answer the water by tau hold no rope"));
+               Contains("/crowd/ropes/0: people that answer the water by tau hold no rope"));
     CHECK_THAT(refused(to), Contains("/crowd/ropes/0/from"));
     CHECK_THAT(refused(from), Contains("/crowd/ropes/0: a rope has either a second end, to, or a free one"));
     CHECK_THAT(refused(from + "," + to + R"(, "free_length_m": 3)"), Contains("allowed: one of both"));

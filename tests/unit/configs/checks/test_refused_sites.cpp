@@ -215,7 +215,7 @@ TEST_CASE("people of a site without houses, shelters or a group are refused with
     CHECK_THAT(load_or_refusal(lived_in, ground_raster(), crowd(in_houses)),
                Contains("/crowd/groups/0/goal/to: \"shelters\": the site has none"));
     CHECK_THAT(load_or_refusal(hut + shelter, ground_raster(), crowd(in_houses)),
-               Contains("/crowd/groups/0/start/from: nobody lives in houses of group \"a\""));
+               Contains("/crowd/groups/0/start/from: no people live in houses of group \"a\""));
     CHECK(load_or_refusal(lived_in + shelter).empty());  // a site without people
     CHECK_THAT(load_or_refusal(lived_in + shelter, ground_raster(),
                                crowd(R"("start": {"x_m": 1, "z_m": 1}, "goal": {"to": "shelters"})")),

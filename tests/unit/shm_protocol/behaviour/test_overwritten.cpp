@@ -75,7 +75,7 @@ TEST_CASE("a goodbye that the consumer did not say ends no stream: the consumer 
 
     publish_next(stream.publisher);  // the lock is held, so this was no goodbye
     check(catch_error([&] { stream.subscriber.acquire(); }), Failure::protocol_violation, "state is 2, it was 1");
-    check(catch_error([&] { stream.publisher.begin_frame(); }), Failure::peer_aborted, "Somebody else has written");
+    check(catch_error([&] { stream.publisher.begin_frame(); }), Failure::peer_aborted, "Another process has written");
 }
 
 TEST_CASE("a consumer refuses to go on with a page that it did not write") {

@@ -150,12 +150,12 @@ TEST_CASE("Who stands is counted among the active, and named in agents.csv") {
     run.crowd.active = {0};
     run.crowd.arrived = 0;
     run.crowd.agents.standing[0] = true;
-    run.crowd.warnings = {"somebody stands"};
+    run.crowd.warnings = {"a person stands"};
     const Json outcome = Json::parse(outcome_json(run.crowd, run.summary, run.labels));
     CHECK(outcome["active"] == 1);
     CHECK(outcome["standing"] == 1);
     CHECK(outcome["states"]["standing"] == 1);
-    CHECK(outcome["warnings"] == Json{"somebody stands"});
+    CHECK(outcome["warnings"] == Json{"a person stands"});
     CHECK_THAT(agents_csv(run.crowd), Catch::EndsWith(",standing,1.7,0,,30,normal,female,0.45,0.09,10,25,,,,,,,,\n") &&
                                           Catch::Contains("0,walkers,active,"));
 }
