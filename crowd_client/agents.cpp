@@ -8,7 +8,7 @@
 
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/crowd.hpp"
-#include "configs/scene/near_places.hpp"
+#include "configs/scene/near_positions.hpp"
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
@@ -73,7 +73,7 @@ Vector2d deviated(const Scene& scene, std::size_t id, const Vector2d& place, dou
 // Returns the first trial outside obstacles and away from all starts in `taken`; the position itself if all fail.
 // Throws ConfigurationError if that is taken, too.
 Vector2d jittered(const Scene& scene, std::size_t id, const AgentGroup& group, std::size_t g, const Vector2d& place,
-                  const Solids& solids, const NearPlaces& taken) {
+                  const Solids& solids, const NearPositions& taken) {
     constexpr std::uint64_t trials = 100;
     for (std::uint64_t trial = 0; trial < trials; ++trial) {
         const Vector2d start = deviated(scene, id, place, group.start_jitter, trial);
@@ -92,7 +92,7 @@ void draw_starts(const Scene& scene, Agents& agents) {
     const auto group_of = [&](std::size_t id) -> const AgentGroup& { return scene.crowd->groups[agents.group[id]]; };
     const auto is_drawn = [&](std::size_t id) { return group_of(id).start_jitter > 0; };
     const Solids solids{place_boxes(scene.obstacles), houses_of(scene)};
-    NearPlaces taken;
+    NearPositions taken;
     for (std::size_t id = 0; id < agents.size(); ++id) {
         if (!is_drawn(id)) taken.add(agents.position[id].x(), agents.position[id].y(), id);
     }

@@ -20,7 +20,7 @@ std::size_t goals_of(const Crowd& crowd) {
     return goals.size();
 }
 
-double memory_of_ways(const Scene& scene) {
+double memory_of_fields(const Scene& scene) {
     const NavigationSettings& navigation = scene.crowd->navigation;
     const bool needed = !scene.obstacles.empty() || navigation.crowding > 0;
     if (navigation.rule == NavigationRule::straight || !needed) return 0;
@@ -37,7 +37,7 @@ double memory_of_crowd(const Scene& scene) {
     for (const AgentGroup& group : crowd.groups) agents += group.count;
     const double markers = crowd.markers == MarkerRule::fixed && agents > 0 ? crowd.markers_per_cell : 0;
     return static_cast<double>(GroundGrid::over(scene.world).cells()) * (of_cell + of_marker * markers) +
-           of_agent * agents + of_particle * static_cast<double>(particles_expected(scene)) + memory_of_ways(scene);
+           of_agent * agents + of_particle * static_cast<double>(particles_expected(scene)) + memory_of_fields(scene);
 }
 
 }  // namespace wade::crowd

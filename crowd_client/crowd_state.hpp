@@ -14,6 +14,9 @@
 #include "crowd_client/agents.hpp"
 #include "crowd_client/bodies/bodies.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
+#include "crowd_client/navigation/navigation.hpp"
+#include "crowd_client/navigation/obstacles.hpp"
+#include "crowd_client/navigation/site_routes.hpp"
 #include "crowd_client/people/links.hpp"
 #include "crowd_client/people/pose.hpp"
 #include "crowd_client/pushing.hpp"
@@ -22,9 +25,6 @@
 #include "crowd_client/water/ragdoll.hpp"
 #include "crowd_client/water/sampling_density.hpp"
 #include "crowd_client/water/water_bins.hpp"
-#include "crowd_client/ways/navigation.hpp"
-#include "crowd_client/ways/obstacles.hpp"
-#include "crowd_client/ways/site_ways.hpp"
 
 namespace wade::crowd {
 
@@ -106,7 +106,7 @@ struct CrowdWorld {
 // several parts, rescuers look at distant water, or the routes of a site are due.
 [[nodiscard]] inline bool needs_all_water(const CrowdWorld& crowd) {
     return crowd.clock.parts > 1 || !crowd.rescues.rescuers.empty() ||
-           are_site_ways_due(crowd.navigation, crowd.steps + 1);
+           are_site_routes_due(crowd.navigation, crowd.steps + 1);
 }
 
 // Returns the number of threads of a step: 1 for a small crowd, as its step takes less time than waking threads.

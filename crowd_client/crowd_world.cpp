@@ -12,11 +12,11 @@
 #include "configs/scene/world.hpp"
 #include "crowd_client/crowd_motion.hpp"
 #include "crowd_client/hands.hpp"
+#include "crowd_client/navigation/evasion.hpp"
 #include "crowd_client/rescue.hpp"
 #include "crowd_client/standing.hpp"
 #include "crowd_client/water/contacts.hpp"
 #include "crowd_client/water/water_met.hpp"
-#include "crowd_client/ways/evasion.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -156,11 +156,11 @@ void go_straight(CrowdWorld& crowd) {
 void solve_fields(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     if (crowd.navigation.site) {
-        if (are_site_ways_due(crowd.navigation, step.number)) {
-            update_site_ways(crowd.navigation, crowd.scene, step.water, crowd.threads);
+        if (are_site_routes_due(crowd.navigation, step.number)) {
+            update_site_routes(crowd.navigation, crowd.scene, step.water, crowd.threads);
             note_depth_at_doors(crowd);
         }
-        if (!crowd.active.empty()) solve_due_ways(crowd.navigation, crowd.positions, crowd.threads);
+        if (!crowd.active.empty()) solve_due_fields(crowd.navigation, crowd.positions, crowd.threads);
         return;
     }
     if (!is_due(crowd.navigation, step.number)) return;
@@ -176,13 +176,13 @@ void send(const Step& step) {
     }
 }
 
-void find_ways(const Step& step) {
+void find_routes(const Step& step) {
     CrowdWorld& crowd = step.crowd;
     go_straight(crowd);
     if (crowd.navigation.site) {
         steer_in_site(crowd.navigation, crowd.agents, crowd.active, crowd.positions, crowd.goal_offsets,
                       step.decision.number, threads_for(crowd));
-    } else if (finds_ways(crowd.navigation)) {
+    } else if (finds_routes(crowd.navigation)) {
         steer(crowd.navigation, crowd.active, crowd.positions, crowd.goal_offsets, step.decision.number,
               threads_for(crowd));
     }
@@ -335,7 +335,7 @@ constexpr std::array stages{
     Stage{"ragdolls", tumble, When::once},
     Stage{"fields", solve_fields, When::once},
     Stage{"rescue", send, When::once},
-    Stage{"ways", find_ways, When::at_decisions},
+    Stage{"ways", find_routes, When::at_decisions},
     Stage{"markers", compete_for_markers, When::at_decisions},  // Eq. 1-3
     Stage{"walking", choose_walking_velocities},                // Eq. 4
     Stage{"footing", judge_footing},

@@ -107,7 +107,7 @@ void let_out(CrowdWorld& crowd) {
 }
 
 void note_depth_at_doors(CrowdWorld& crowd) {
-    const SiteWays& site = *crowd.navigation.site;
+    const SiteRoutes& site = *crowd.navigation.site;
     if (!site.is_wet) return;
     Agents& agents = crowd.agents;
     for (std::size_t id = 0; id < agents.size(); ++id) {

@@ -122,7 +122,7 @@ CrowdWorld make_crowd(const Scene& given) {
         crowd.clock.parts = body_clock(crowd.dt).parts;
     }
     crowd.agents.stay = crowd.agents.position;
-    crowd.navigation = scene.site ? make_site_ways(scene, crowd.agents) : make_navigation(scene, crowd.agents);
+    crowd.navigation = scene.site ? make_site_routes(scene, crowd.agents) : make_navigation(scene, crowd.agents);
     const std::string shut_in = choose_doors(crowd.navigation, scene, crowd.agents);
     crowd.indoors = indoors_of(crowd.agents, crowd.dt);
     crowd.warnings = start_warnings(scene, crowd.agents, crowd.navigation);

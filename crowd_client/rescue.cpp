@@ -10,7 +10,7 @@
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/hands.hpp"
-#include "crowd_client/ways/sight.hpp"
+#include "crowd_client/navigation/sight.hpp"
 
 namespace wade::crowd {
 namespace {

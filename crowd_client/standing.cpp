@@ -40,9 +40,9 @@ Vector2d rest_of_way(const CrowdWorld& crowd, std::size_t k) {
 // not each step decides on routes.
 std::optional<Vector2d> way_led(const CrowdWorld& crowd, std::size_t k) {
     const Navigation& navigation = crowd.navigation;
-    if (!finds_ways(navigation)) return std::nullopt;
+    if (!finds_routes(navigation)) return std::nullopt;
     const std::uint32_t id = crowd.active[k];
-    const WayField& field = navigation.fields[navigation.field_of[id]];
+    const TravelTimeField& field = navigation.fields[navigation.field_of[id]];
     if (!field.is_solved()) return std::nullopt;
     return way_from(navigation, field, crowd.agents.position[id], rest_of_way(crowd, k));
 }

@@ -6,7 +6,7 @@
 #include "configs/checks/scene_checks.hpp"
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/crowd.hpp"
-#include "crowd_client/ways/site_ways.hpp"
+#include "crowd_client/navigation/site_routes.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -46,7 +46,7 @@ std::vector<std::string> start_warnings(const Scene& scene, const Agents& agents
     std::vector<std::string> warnings = rate_warnings(scene);
     if (agents.size() > 0 && has_too_few_markers(scene.crowd)) warnings.push_back(warning_of_markers(scene.crowd));
     const std::string no_way =
-        scene.site ? people_cut_off(navigation, scene, agents) : people_without_way(navigation, scene, agents);
+        scene.site ? people_cut_off(navigation, scene, agents) : people_without_route(navigation, scene, agents);
     if (no_way.empty()) return warnings;
     const bool may_stand = scene.crowd->navigation.rule == NavigationRule::straight;
     if (scene.crowd->bodies != BodyRule::none && !may_stand) throw ConfigurationError(no_way);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "crowd_client/agents.hpp"
-#include "crowd_client/ways/navigation.hpp"
+#include "crowd_client/navigation/navigation.hpp"
 
 namespace wade::crowd {
 

@@ -15,7 +15,7 @@
 #include "configs/scene/fields/residents.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/interval.hpp"
-#include "configs/scene/near_places.hpp"
+#include "configs/scene/near_positions.hpp"
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/person_size.hpp"
 #include "configs/scene/site.hpp"
@@ -50,7 +50,7 @@ void check_place(double x, double z, const Scene& scene, const std::string& who,
 
 // Starts that are drawn at random keep their distance by the draw.
 void check_distances(const std::vector<StartPlace>& places, const Crowd& crowd, const std::string& source) {
-    NearPlaces starts;
+    NearPositions starts;
     for (std::size_t i = 0; i < places.size(); ++i) {
         const StartPlace& place = places[i];
         if (crowd.groups[place.group].start_jitter > 0) continue;

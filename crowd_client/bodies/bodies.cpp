@@ -161,7 +161,7 @@ void prepare_bodies(Bodies& bodies, Walkers& walkers, Agents& agents, std::span<
 #pragma omp single
         {
             if (looks) sort_headings(bodies.looks, bodies.cells, bodies.heading);
-            if (looks_ahead) sort_ways(bodies.looks, bodies.cells, bodies.way, bodies.bearing);
+            if (looks_ahead) sort_routes(bodies.looks, bodies.cells, bodies.way, bodies.bearing);
         }
 #pragma omp for
         for (std::size_t k = 0; k < n; ++k) {

@@ -91,7 +91,7 @@
 #include "crowd_client/bodies/body_clock.hpp"
 #include "crowd_client/bodies/body_state.hpp"
 #include "crowd_client/markers/biocrowds.hpp"
-#include "crowd_client/ways/obstacles.hpp"
+#include "crowd_client/navigation/obstacles.hpp"
 
 namespace wade::crowd {
 

@@ -41,8 +41,8 @@ void sort_headings(Looks& looks, const BodyCells& cells, const std::vector<Vecto
     fill(looks.heading_x, looks.heading_z, cells, heading);
 }
 
-void sort_ways(Looks& looks, const BodyCells& cells, const std::vector<Vector2d>& way,
-               const std::vector<Vector2d>& bearing) {
+void sort_routes(Looks& looks, const BodyCells& cells, const std::vector<Vector2d>& way,
+                 const std::vector<Vector2d>& bearing) {
     fill(looks.way_x, looks.way_z, cells, way);
     fill(looks.bearing_x, looks.bearing_z, cells, bearing);
 }

@@ -17,8 +17,8 @@ struct Looks {
 // Store unit vectors, given by index in the list of people, in the order of the cells: last motion; route and straight
 // to the goal.
 void sort_headings(Looks& looks, const BodyCells& cells, const std::vector<Vector2d>& heading);
-void sort_ways(Looks& looks, const BodyCells& cells, const std::vector<Vector2d>& way,
-               const std::vector<Vector2d>& bearing);
+void sort_routes(Looks& looks, const BodyCells& cells, const std::vector<Vector2d>& way,
+                 const std::vector<Vector2d>& bearing);
 
 // Computes the current lambda of bodies.hpp, before its running mean, for an agent at p.
 [[nodiscard]] double share_followed(const Looks& looks, const BodyCells& cells, const Vector2d& p,

@@ -6,7 +6,7 @@
 
 #include "configs/scene/interval.hpp"
 #include "configs/scene/obstacle.hpp"
-#include "crowd_client/ways/obstacles.hpp"
+#include "crowd_client/navigation/obstacles.hpp"
 
 namespace wade::crowd {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "configs/numbers/portable.hpp"
-#include "fluid_server/neighbours/cluster_places.hpp"
+#include "fluid_server/neighbours/cluster_positions.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fluid_server/neighbours/billiard.cpp"
@@ -242,7 +242,7 @@ HWY_INLINE hn::Vec<Whole> key_of(const PathQuestion& question, const Path& path)
     return hn::Add(hn::Mul(plane, hn::Set(whole, question.orders * SightKey::places_of_middle)), key);
 }
 
-void FindPaths(const ClusterPlaces& places, const NearParticlesOfCluster& near, const PathQuestion& question,
+void FindPaths(const ClusterPositions& places, const NearParticlesOfCluster& near, const PathQuestion& question,
                PathsFound& found) {
     const Whole whole;
     const Vec3V x = load(ConstVectorArrays{places.x.data(), places.y.data(), places.z.data()}, 0);
@@ -304,7 +304,7 @@ std::size_t FindByKey(const PathsFound& found, std::size_t near, std::vector<See
     return count;
 }
 
-std::size_t FindSeenNear(const ClusterPlaces& places, const ClusterPlaces& images, float support_radius,
+std::size_t FindSeenNear(const ClusterPositions& places, const ClusterPositions& images, float support_radius,
                          const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
                          const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares) {
     const Vec3V image = load(ConstVectorArrays{images.x.data(), images.y.data(), images.z.data()}, 0);
@@ -348,7 +348,7 @@ HWY_EXPORT(FindPaths);
 HWY_EXPORT(FindByKey);
 HWY_EXPORT(FindSeenNear);
 
-void find_paths(const ClusterPlaces& places, const NearParticlesOfCluster& near, const PathQuestion& question,
+void find_paths(const ClusterPositions& places, const NearParticlesOfCluster& near, const PathQuestion& question,
                 PathsFound& found) {
     HWY_DYNAMIC_DISPATCH(FindPaths)(places, near, question, found);
 }
@@ -357,7 +357,7 @@ std::size_t sort_by_key(const PathsFound& found, std::size_t near, std::vector<S
     return HWY_DYNAMIC_DISPATCH(FindByKey)(found, near, lists);
 }
 
-std::size_t append_seen(const ClusterPlaces& places, const ClusterPlaces& image, float support_radius,
+std::size_t append_seen(const ClusterPositions& places, const ClusterPositions& image, float support_radius,
                         const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
                         const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares) {
     return HWY_DYNAMIC_DISPATCH(FindSeenNear)(places, image, support_radius, plane, near, seen, found, entries, block,

@@ -120,7 +120,7 @@ struct PathsFound {
 
     void make_room(std::size_t near, std::size_t lanes);
 };
-void find_paths(const ClusterPlaces& places, const NearParticlesOfCluster& near, const PathQuestion& question,
+void find_paths(const ClusterPositions& places, const NearParticlesOfCluster& near, const PathQuestion& question,
                 PathsFound& found);
 
 // A near particle and lanes that see it.
@@ -138,7 +138,7 @@ std::size_t sort_by_key(const PathsFound& found, std::size_t near, std::vector<S
 // Appends the seen particles within the support radius of the images to the list, the masks and, if `shares` is not
 // null, the shares. plane: if not null, the middle of a path must lie above it. There must be room. Returns the end of
 // the entries.
-std::size_t append_seen(const ClusterPlaces& places, const ClusterPlaces& image, float support_radius,
+std::size_t append_seen(const ClusterPositions& places, const ClusterPositions& image, float support_radius,
                         const GroundPlane* plane, const NearParticlesOfCluster& near, std::span<const SeenNear> seen,
                         const PathsFound& found, std::size_t entries, NeighbourBlock& block, std::uint16_t** shares);
 

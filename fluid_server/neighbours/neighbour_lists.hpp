@@ -44,7 +44,7 @@ struct Run {
 };
 
 // The positions of a cluster's particles, or of their images, m; lanes beyond them repeat the last position.
-struct ClusterPlaces {
+struct ClusterPositions {
     std::size_t size = 0;
     std::array<float, largest_cluster> x{}, y{}, z{};
 };

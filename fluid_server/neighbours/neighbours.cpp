@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "fluid_server/neighbours/cluster_places.hpp"
+#include "fluid_server/neighbours/cluster_positions.hpp"
 #include "fluid_server/neighbours/sight.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
 
@@ -57,7 +57,7 @@ class BlockSearch {
 
  private:
     void add_cluster(std::size_t begin, std::size_t end) {
-        const ClusterPlaces places = places_of(p_, begin, end, size_);
+        const ClusterPositions places = places_of(p_, begin, end, size_);
         const Box box = box_round(places);
         solids_.find_obstacles(box, buffers_.obstacles);
         buffers_.boxes.clear();
@@ -76,7 +76,7 @@ class BlockSearch {
                 note_before(watchers, mirror, *obstacle);
                 if (!at_border_ && buffers_.before.size == 0) continue;
             }
-            const ClusterPlaces image = mapped(places, mirror.map());
+            const ClusterPositions image = mapped(places, mirror.map());
             if (obstacle != nullptr && facet == nullptr && !at_border_) {
                 add_segment(watchers, {image, mirror, obstacle}, box, {});
                 continue;
@@ -125,7 +125,7 @@ class BlockSearch {
         const bool by_sight = in_part || sight.facet != nullptr;
         const std::size_t first = entries_;
         if (period != Vec3{}) {
-            const ClusterPlaces shifted = mapped(watchers.places, shifted_map(mirror, period));
+            const ClusterPositions shifted = mapped(watchers.places, shifted_map(mirror, period));
             append(shifted, box_round(shifted));
             if (by_sight) keep_seen(watchers, {shifted, mirror, sight.obstacle, sight.facet, period}, first);
         } else if (in_part && sight.facet == nullptr) {
@@ -166,10 +166,10 @@ class BlockSearch {
     }
 
     // Appends the particles that are nearer than the support radius to one of these places and to the box.
-    void append(const ClusterPlaces& places, const Box& box) {
+    void append(const ClusterPositions& places, const Box& box) {
         const std::span<const std::uint32_t> candidates = find_by_grid(box, h_);
         make_room(block_.j, entries_ + candidates.size() + 1);
-        entries_ += find_near_places(places, h_, p_, candidates, block_.j.data() + entries_);
+        entries_ += find_near_particles(places, h_, p_, candidates, block_.j.data() + entries_);
     }
 
     std::span<const std::uint32_t> find_by_grid(const Box& box, float reach) {

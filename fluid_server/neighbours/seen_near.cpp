@@ -10,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "fluid_server/neighbours/seen_near.cpp"
 #include <hwy/foreach_target.h>
 
-#include "fluid_server/neighbours/cluster_places.hpp"
+#include "fluid_server/neighbours/cluster_positions.hpp"
 #include "fluid_server/neighbours/sight-inl.hpp"
 
 // What a cluster among boxes sees of the particles near it: the same as if each line were asked (sight.cpp), but few are. Most
@@ -277,7 +277,7 @@ std::size_t append_seen_past(const Watchers& watchers, const Sight& sight, const
     return HWY_DYNAMIC_DISPATCH(FindSeenPast)(watchers, sight, box, support_radius, near, first, block, shares);
 }
 
-Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
+Box box_facing(const ClusterPositions& places, const ClusterPositions& image, const Mirror& mirror, const Box& obstacle,
                float h, float delta) {
     const float reach = (1 + for_rounding) * h + delta;
     Box face = grown(obstacle, reach);

@@ -40,7 +40,7 @@ namespace wade::fluid::HWY_NAMESPACE {
 
 using Seen = hn::Mask<Lanes>;
 
-HWY_INLINE Vec3V load(const ClusterPlaces& places) {
+HWY_INLINE Vec3V load(const ClusterPositions& places) {
     return load(ConstVectorArrays{places.x.data(), places.y.data(), places.z.data()}, 0);
 }
 HWY_INLINE V along(const Vec3V& x, std::size_t axis) {

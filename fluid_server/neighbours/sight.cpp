@@ -100,7 +100,7 @@ std::size_t FindNearBox(const Box& box, float support_radius, const Particles& p
     return found;
 }
 
-std::size_t FindNearPlaces(const ClusterPlaces& places, float support_radius, const Particles& p,
+std::size_t FindNearPlaces(const ClusterPositions& places, float support_radius, const Particles& p,
                            std::span<const std::uint32_t> candidates, std::uint32_t* out) {
     const V h2 = all(support_radius * support_radius);
     const Vec3V x = load(ConstVectorArrays{places.x.data(), places.y.data(), places.z.data()}, 0);
@@ -141,8 +141,8 @@ std::size_t find_near_box(const Box& box, float support_radius, const Particles&
     return HWY_DYNAMIC_DISPATCH(FindNearBox)(box, support_radius, p, runs, out);
 }
 
-std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& p,
-                             std::span<const std::uint32_t> candidates, std::uint32_t* out) {
+std::size_t find_near_particles(const ClusterPositions& places, float support_radius, const Particles& p,
+                                std::span<const std::uint32_t> candidates, std::uint32_t* out) {
     return HWY_DYNAMIC_DISPATCH(FindNearPlaces)(places, support_radius, p, candidates, out);
 }
 

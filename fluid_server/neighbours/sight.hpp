@@ -16,7 +16,7 @@ namespace wade::fluid {
 
 // A cluster that searches for visible neighbours.
 struct Watchers {
-    const ClusterPlaces& places;
+    const ClusterPositions& places;
     const Box& box;  // round them
     std::span<const Box>
         obstacles;    // that may block the view; none unless one is nearer than the support radius and delta
@@ -25,7 +25,7 @@ struct Watchers {
 
 // The view of a cluster: direct, in a mirror, or across a periodic border.
 struct Sight {
-    const ClusterPlaces& image;  // of the watchers, as far from a particle as the watchers are from its image
+    const ClusterPositions& image;  // of the watchers, as far from a particle as the watchers are from its image
     const Mirror& mirror;
     const Box* obstacle = nullptr;    // obstacle with the mirror as a face, or null
     const BedFacet* facet = nullptr;  // bed facet that is the mirror, or null
@@ -66,7 +66,7 @@ std::size_t append_seen_past(const Watchers& watchers, const Sight& sight, const
 // Returns a box round the images of the positions that may see a particle nearer than h in the face of an obstacle; its
 // upper bounds are below its lower ones if there are none. Other positions see nothing there: an end of a line no
 // longer than h is within delta of the face's edges.
-Box box_facing(const ClusterPlaces& places, const ClusterPlaces& image, const Mirror& mirror, const Box& obstacle,
+Box box_facing(const ClusterPositions& places, const ClusterPositions& image, const Mirror& mirror, const Box& obstacle,
                float h, float delta);
 
 // Near particles that lanes may see in a face of an obstacle, in views that differ by a bed or a lid only.
@@ -93,7 +93,7 @@ std::size_t find_near_box(const Box& box, float support_radius, const Particles&
 
 // Writes those candidates to `out` that are nearer than the support radius to some position of a cluster. Returns their
 // number. Needs room for all candidates and one more.
-std::size_t find_near_places(const ClusterPlaces& places, float support_radius, const Particles& particles,
-                             std::span<const std::uint32_t> candidates, std::uint32_t* out);
+std::size_t find_near_particles(const ClusterPositions& places, float support_radius, const Particles& particles,
+                                std::span<const std::uint32_t> candidates, std::uint32_t* out);
 
 }  // namespace wade::fluid

@@ -4,7 +4,7 @@
 
 #include "configs/numbers/portable.hpp"
 #include "fluid_server/neighbours/billiard.hpp"
-#include "fluid_server/neighbours/cluster_places.hpp"
+#include "fluid_server/neighbours/cluster_positions.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 
 // For each cluster: the particles near it, once. Then, for each sequence of walls that some path may meet, which of them it sees how
@@ -108,7 +108,7 @@ class SiteSearch {
         std::uint32_t* const found = buffers_.candidates.data();
         const std::size_t count = find_near_box(box, reach, p_, buffers_.runs, found);
         std::uint32_t* const nearer = found + most;
-        const std::size_t kept = find_near_places(places_, reach, p_, {found, count}, nearer);
+        const std::size_t kept = find_near_particles(places_, reach, p_, {found, count}, nearer);
         buffers_.near.assign({nearer, kept}, p_);
         buffers_.all.clear();
         const auto all_lanes = static_cast<std::uint16_t>((1U << size_) - 1);
@@ -378,7 +378,7 @@ class SiteSearch {
     float h_;
     std::size_t size_;  // of a cluster
     NeighbourBlock& block_;
-    ClusterPlaces places_;
+    ClusterPositions places_;
     bool is_near_ground_ = true;
     WallSearchBuffers& buffers_ = wall_search_buffers();
     std::size_t entries_ = 0;

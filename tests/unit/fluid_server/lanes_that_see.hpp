@@ -17,7 +17,7 @@ namespace wade::fluid::test {
 // most the size of a cluster; boxes: possible occluders.
 inline std::vector<float> shares_seen(const Solids& solids, std::span<const Vec3> x, const Vec3& y,
                                       const Mirror& mirror, std::span<const Box> boxes) {
-    ClusterPlaces places;
+    ClusterPositions places;
     places.size = cluster_size_here();
     Box box{{Box::inf, Box::inf, Box::inf}, {-Box::inf, -Box::inf, -Box::inf}};
     for (std::size_t l = 0; l < places.size; ++l) {

@@ -10,7 +10,7 @@
 #include "configs/scene/channel.hpp"
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/obstacle.hpp"
-#include "fluid_server/neighbours/cluster_places.hpp"
+#include "fluid_server/neighbours/cluster_positions.hpp"
 #include "fluid_server/neighbours/neighbours.hpp"
 #include "fluid_server/neighbours/sight.hpp"
 #include "fluid_server/neighbours/sweeps.hpp"
@@ -248,7 +248,7 @@ WhoSeesWhom seen_plainly(const Solids& solids, const Particles& p, float h) {
     WhoSeesWhom seen;
     const std::size_t size = cluster_size_here();
     for (std::size_t i = 0; i < p.count; i += size) {
-        const ClusterPlaces places = places_of(p, i, std::min(i + size, p.count), size);
+        const ClusterPositions places = places_of(p, i, std::min(i + size, p.count), size);
         const Box box = box_round(places);
         BoxNumbers numbers;
         solids.find_obstacles(box, numbers);
@@ -265,7 +265,7 @@ WhoSeesWhom seen_plainly(const Solids& solids, const Particles& p, float h) {
             std::visit([&](auto& masks) { masks.resize(p.count + 1); }, block.lanes);
             std::vector<std::uint16_t> shares((p.count + 1) * size);
             std::uint16_t* end = shares.data();
-            const ClusterPlaces image = mapped(places, mirror.map());
+            const ClusterPositions image = mapped(places, mirror.map());
             const Watchers watchers{places, box, boxes, solids.sight_delta()};
             const Sight sight{image, mirror, solids.obstacle_of(mirror), nullptr};
             const std::size_t kept = keep_seen_in_part(watchers, sight, h, p, 0, p.count, block, end);

@@ -20,7 +20,7 @@ from wade.statistics import drifts, losses
 from wade.statistics.ensemble import (FLOODED, LOST, NO_END, SWEPT_AWAY, classes, fates_of, has_feet, having, open_kinds,
                                       read_ensemble)
 from wade.statistics.figures import draw_values
-from wade.statistics.last_places import SQUARE_M, density_of, search_order
+from wade.statistics.last_positions import SQUARE_M, density_of, search_order
 from wade.statistics.shares import share_of
 from wade.statistics.table import (FIRST_AND_SECOND, HAZARD_NOTE, LEAST, MOST, MOST_SECTIONS, SAFE, adrift_warning, compare,
                                    comparisons_of, drifts_rows, hazard_rows, interval_words, label_of, limit_words, named, of_runs,

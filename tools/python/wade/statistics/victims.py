@@ -16,7 +16,7 @@ from wade.reports.options import above_0
 from wade.reports.tables import count_of, document, markdown, section, write_csv
 from wade.scenes import resolved_scene
 from wade.statistics.ensemble import SWEPT_AWAY, read_ensemble
-from wade.statistics.last_places import SQUARE_M, density_of, drift, search_order, start_drift
+from wade.statistics.last_positions import SQUARE_M, density_of, drift, search_order, start_drift
 from wade.states import MISSING
 from wade.statistics.table import percent
 from wade.terminal import Parser

@@ -37,8 +37,8 @@
 
 #include "configs/scene/interval.hpp"
 #include "crowd_client/agents.hpp"
-#include "crowd_client/ways/obstacles.hpp"
-#include "crowd_client/ways/way_fields.hpp"
+#include "crowd_client/navigation/obstacles.hpp"
+#include "crowd_client/navigation/travel_time_fields.hpp"
 
 namespace wade::crowd {
 
@@ -54,10 +54,10 @@ namespace wade::crowd {
 
 // Returns a sentence for the user about agents without a route to their goal at the start, or an empty text; also with
 // the rule `straight`.
-[[nodiscard]] std::string people_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents);
+[[nodiscard]] std::string people_without_route(const Navigation& navigation, const Scene& scene, const Agents& agents);
 
 // Returns whether a field leads an agent, or may do so later.
-[[nodiscard]] inline bool finds_ways(const Navigation& navigation) {
+[[nodiscard]] inline bool finds_routes(const Navigation& navigation) {
     return !navigation.fields.empty();
 }
 
@@ -83,7 +83,7 @@ void find_slowness(Navigation& navigation, std::span<const Vector2d> positions);
 void finish_grid(Navigation& navigation, const Scene& scene);
 
 // Adds exact start times for nodes around the goal that are visible from it.
-void start_at_goal(const Navigation& navigation, WayField& field);
+void start_at_goal(const Navigation& navigation, TravelTimeField& field);
 
 // Returns routes from all positions of a rectangle to one goal in it, around obstacles that reach into it: one field,
 // and no agent.

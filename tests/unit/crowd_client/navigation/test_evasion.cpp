@@ -3,7 +3,7 @@
 
 #include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/ways/evasion.hpp"
+#include "crowd_client/navigation/evasion.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;

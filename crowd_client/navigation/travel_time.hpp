@@ -25,7 +25,7 @@
 #include "configs/scene/scene.hpp"
 #include "crowd_client/equations.hpp"
 #include "crowd_client/markers/placed_houses.hpp"
-#include "crowd_client/ways/monotone_queue.hpp"
+#include "crowd_client/navigation/monotone_queue.hpp"
 
 namespace wade::crowd {
 

@@ -1,4 +1,4 @@
-#include "crowd_client/ways/travel_time.hpp"
+#include "crowd_client/navigation/travel_time.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
-#include "crowd_client/ways/obstacles.hpp"
+#include "crowd_client/navigation/obstacles.hpp"
 
 using namespace wade;
 using namespace wade::crowd;

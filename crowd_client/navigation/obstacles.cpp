@@ -1,4 +1,4 @@
-#include "crowd_client/ways/obstacles.hpp"
+#include "crowd_client/navigation/obstacles.hpp"
 
 #include <algorithm>
 #include <array>

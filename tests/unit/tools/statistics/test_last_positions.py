@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from wade.statistics.last_places import (BANDWIDTH_M, density_of, drift, mixing_of, search_order, start_drift)
+from wade.statistics.last_positions import (BANDWIDTH_M, density_of, drift, mixing_of, search_order, start_drift)
 
 
 def uniform(depth, u):

@@ -11,8 +11,8 @@
 namespace wade::fluid {
 
 // All lanes have a place, so that loops over them are vectors.
-inline ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_t end, std::size_t size) {
-    ClusterPlaces places;
+inline ClusterPositions places_of(const Particles& p, std::size_t begin, std::size_t end, std::size_t size) {
+    ClusterPositions places;
     places.size = size;
     const auto take = [&](const std::vector<float>& from, std::array<float, largest_cluster>& to) {
         if (end - begin == largest_cluster) {
@@ -26,8 +26,8 @@ inline ClusterPlaces places_of(const Particles& p, std::size_t begin, std::size_
 }
 
 template <typename Map>
-ClusterPlaces mapped(const ClusterPlaces& places, const Map& map) {
-    ClusterPlaces image;
+ClusterPositions mapped(const ClusterPositions& places, const Map& map) {
+    ClusterPositions image;
     image.size = places.size;
     for (std::size_t l = 0; l < largest_cluster; ++l) {
         const Vec3 x = map({places.x[l], places.y[l], places.z[l]});
@@ -36,7 +36,7 @@ ClusterPlaces mapped(const ClusterPlaces& places, const Map& map) {
     return image;
 }
 
-inline Box box_round(const ClusterPlaces& places) {
+inline Box box_round(const ClusterPositions& places) {
     Box box;
     const auto grow = [&](std::size_t axis, const std::array<float, largest_cluster>& x) {
         float lo = Box::inf, hi = -Box::inf;

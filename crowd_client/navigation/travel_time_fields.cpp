@@ -1,4 +1,4 @@
-#include "crowd_client/ways/way_fields.hpp"
+#include "crowd_client/navigation/travel_time_fields.hpp"
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,7 @@ Cell cell_of(const TravelGrid& grid, const Vector2d& p) {
     return {column, row, std::clamp(x - column, 0.0, 1.0), std::clamp(z - row, 0.0, 1.0)};
 }
 
-std::optional<Vector2d> down_the_gradient(const TravelGrid& grid, const WayField& field, const Cell& cell) {
+std::optional<Vector2d> down_the_gradient(const TravelGrid& grid, const TravelTimeField& field, const Cell& cell) {
     const double* const lower = &field.travel[grid.node(cell.column, cell.row)];
     const double* const upper = lower + grid.columns;
     const double a = lower[1] - lower[0], b = upper[1] - upper[0];
@@ -37,7 +37,7 @@ std::optional<Vector2d> down_the_gradient(const TravelGrid& grid, const WayField
 // stall at them. From a node, L is slightly too large towards nodes in directions other than the grid's.
 class NodesNear {
  public:
-    NodesNear(const Navigation& navigation, const WayField& field, const Cell& cell, const Vector2d& p)
+    NodesNear(const Navigation& navigation, const TravelTimeField& field, const Cell& cell, const Vector2d& p)
         : grid_(navigation.grid),
           column_(std::max(cell.column - navigation.reach, 0)),
           row_(std::max(cell.row - navigation.reach, 0)) {
@@ -92,7 +92,7 @@ class NodesNear {
 };
 
 // Tests the nodes in the order of L, because one of the first is visible most often.
-std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayField& field, const Cell& cell,
+std::optional<Vector2d> towards_a_node(const Navigation& navigation, const TravelTimeField& field, const Cell& cell,
                                        const Vector2d& p) {
     NodesNear nodes(navigation, field, cell, p);
     const double margin = margin_from(navigation.sight, p);
@@ -104,7 +104,7 @@ std::optional<Vector2d> towards_a_node(const Navigation& navigation, const WayFi
     }
 }
 
-bool goal_is_in_sight(const Navigation& navigation, const WayField& field, const Cell& cell, const Vector2d& p,
+bool goal_is_in_sight(const Navigation& navigation, const TravelTimeField& field, const Cell& cell, const Vector2d& p,
                       const Vector2d& rest) {
     if (!field.views.empty()) {
         const std::uint32_t number = navigation.grid.node(cell.column, cell.row);
@@ -124,7 +124,7 @@ bool sees_along(const Navigation& navigation, const Vector2d& p, const Vector2d&
     return in_sight(navigation.sight, p, p + share * way);
 }
 
-std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& field, const Vector2d& p,
+std::optional<Vector2d> way_from(const Navigation& navigation, const TravelTimeField& field, const Vector2d& p,
                                  const Vector2d& rest) {
     const TravelGrid& grid = navigation.grid;
     // In a periodic world, moves p to the period where the field's goal is at the offset `rest`.
@@ -150,7 +150,7 @@ std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& f
     return towards_a_node(navigation, field, cell, at);
 }
 
-std::vector<Vector2d> places_on_way(const Navigation& navigation, const WayField& field, const Vector2d& from,
+std::vector<Vector2d> places_on_way(const Navigation& navigation, const TravelTimeField& field, const Vector2d& from,
                                     double step) {
     constexpr double longest = 100;  // m; longer routes go in circles
     std::vector<Vector2d> places{from};

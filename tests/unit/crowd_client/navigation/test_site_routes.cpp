@@ -7,7 +7,7 @@
 #include "configs/errors/exit_code.hpp"
 #include "configs/scene/crowd.hpp"
 #include "crowd_client/crowd_world.hpp"
-#include "crowd_client/ways/site_ways.hpp"
+#include "crowd_client/navigation/site_routes.hpp"
 #include "made_up_water.hpp"
 
 namespace wade::crowd::site_ways_test {
@@ -229,9 +229,9 @@ TEST_CASE("Fields that wait for the first person outdoors equal those solved at 
             const MadeUpWater none, wide = pond(2, 20, 2, 38, 0.1 + 0.1 * std::floor(t), 1.5),
                                     far = pond(40, 58, 2, 38, 0.3, 0.5);
             step(crowd, (t < 3 ? wide : t < 4 ? none : far).view());
-            if (solves_always) solve_due_ways(crowd.navigation, crowd.positions, 1);
+            if (solves_always) solve_due_fields(crowd.navigation, crowd.positions, 1);
             if (t >= 5.5) {
-                for (const WayField& field : crowd.navigation.fields) travel.push_back(field.travel);
+                for (const TravelTimeField& field : crowd.navigation.fields) travel.push_back(field.travel);
             }
         }
         return std::tuple(crowd.agents.position, crowd.sheltered, crowd.navigation.site->taken, travel);

@@ -17,7 +17,7 @@ inline constexpr double smallest_start_distance = 0.001;
 
 // Positions in cells of the smallest distance: two that are too near lie in one cell or in neighbours. Coordinates: m,
 // |x|, |z| <= 1e5.
-class NearPlaces {
+class NearPositions {
  public:
     void add(double x, double z, std::size_t id) { cells_[key(cell(x), cell(z))].push_back({x, z, id}); }
 

@@ -1,4 +1,4 @@
-#include "crowd_client/ways/navigation.hpp"
+#include "crowd_client/navigation/navigation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/world.hpp"
 #include "crowd_client/markers/ground_grid.hpp"
-#include "crowd_client/ways/way_fields.hpp"
+#include "crowd_client/navigation/travel_time_fields.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -78,12 +78,12 @@ void solve(Navigation& navigation, std::span<const Vector2d> positions, int thre
     if (navigation.crowding > 0) find_slowness(navigation, positions);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (std::size_t i = 0; i < navigation.fields.size(); ++i) {
-        WayField& field = navigation.fields[i];
+        TravelTimeField& field = navigation.fields[i];
         march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);
     }
 }
 
-void find_views(const Navigation& navigation, WayField& field) {
+void find_views(const Navigation& navigation, TravelTimeField& field) {
     const TravelGrid& grid = navigation.grid;
     field.views.assign(grid.closed.size(), View::unknown);
     field.hiding_start.assign(grid.closed.size() + 1, 0);
@@ -184,11 +184,11 @@ void name_goals(Navigation& navigation, const Agents& agents) {
 }
 
 // Returns a sentence about the first agent without a route, or nothing. Fields that are not solved are not needed.
-std::string first_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
-    if (!finds_ways(navigation)) return "";
+std::string first_without_route(const Navigation& navigation, const Scene& scene, const Agents& agents) {
+    if (!finds_routes(navigation)) return "";
     std::size_t count = 0, first = 0;
     for (std::size_t id = 0; id < agents.size(); ++id) {
-        const WayField& field = navigation.fields[navigation.field_of[id]];
+        const TravelTimeField& field = navigation.fields[navigation.field_of[id]];
         const Vector2d& p = agents.position[id];
         if (!field.is_solved() || way_from(navigation, field, p, goal_offset(agents, id, navigation.period))) continue;
         if (count++ == 0) first = id;
@@ -209,7 +209,7 @@ std::string first_without_way(const Navigation& navigation, const Scene& scene, 
     return message.str();
 }
 
-void prepare(const Navigation& navigation, WayField& field) {
+void prepare(const Navigation& navigation, TravelTimeField& field) {
     field.starts.clear();
     start_at_goal(navigation, field);
     if (navigation.period == 0) find_views(navigation, field);
@@ -244,7 +244,7 @@ void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<co
     needed.resize(std::min(needed.size(), room - std::min(room, navigation.solved)));
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (std::size_t i = 0; i < needed.size(); ++i) {
-        WayField& field = navigation.fields[needed[i]];
+        TravelTimeField& field = navigation.fields[needed[i]];
         prepare(navigation, field);
         march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);
     }
@@ -253,7 +253,7 @@ void solve_where_needed(Navigation& navigation, const Scene& scene, std::span<co
 
 void solve_all(Navigation& navigation, const Scene& scene, const Agents& agents, double cell) {
     lay_out_grid(navigation, scene, cell);
-    for (WayField& field : navigation.fields) prepare(navigation, field);
+    for (TravelTimeField& field : navigation.fields) prepare(navigation, field);
     solve(navigation, agents.position, 1);
     navigation.solved = navigation.fields.size();
 }
@@ -264,7 +264,7 @@ std::uint64_t steps_in(double time, const Scene& scene) {
 
 // Returns the offset along the route, zero where the agent walks straight.
 Vector2d look_for_way(const Navigation& navigation, std::uint32_t id, const Vector2d& p, const Vector2d& rest) {
-    const WayField& field = navigation.fields[navigation.field_of[id]];
+    const TravelTimeField& field = navigation.fields[navigation.field_of[id]];
     if (!field.is_solved()) return Vector2d::Zero();
     const std::optional<Vector2d> way = way_from(navigation, field, p, rest);
     return way && *way != rest ? *way : Vector2d::Zero();
@@ -272,7 +272,7 @@ Vector2d look_for_way(const Navigation& navigation, std::uint32_t id, const Vect
 
 }  // namespace
 
-void start_at_goal(const Navigation& navigation, WayField& field) {
+void start_at_goal(const Navigation& navigation, TravelTimeField& field) {
     const TravelGrid& grid = navigation.grid;
     for (int row = 0; row < grid.rows; ++row) {
         for (int column = 0; column < grid.columns; ++column) {
@@ -303,14 +303,14 @@ double least_clearance(const Scene& scene) {
 }
 
 Navigation make_navigation(const Scene& scene, const Agents& agents) {
-    constexpr double time_between_looks = 1;   // between checks for needed fields, s
-    constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
+    constexpr double time_between_looks = 1;        // between checks for needed fields, s
+    constexpr double time_between_decisions = 0.1;  // s; bodies decide as often by themselves
     const NavigationSettings& settings = scene.crowd->navigation;
     Navigation navigation;
     const bool nothing_in_the_way = scene.obstacles.empty() && settings.crowding == 0;
     if (settings.rule == NavigationRule::straight || nothing_in_the_way || agents.size() == 0) return navigation;
     if (scene.crowd->bodies == BodyRule::none) {
-        const double decisions = time_between_ways * scene.crowd->step_rate;
+        const double decisions = time_between_decisions * scene.crowd->step_rate;
         navigation.looks_between = static_cast<std::uint64_t>(std::max(1.0, std::floor(decisions + 1e-9)));
     }
     navigation.way.assign(agents.size(), Vector2d::Zero());
@@ -333,22 +333,22 @@ Navigation make_navigation(const Scene& scene, const Agents& agents) {
     if (settings.every > 0) navigation.steps_between = steps_in(settings.every, scene);
     check_size(scene, navigation.fields.size());
     solve_all(navigation, scene, agents, settings.cell);
-    if (first_without_way(navigation, scene, agents).empty()) return navigation;
+    if (first_without_route(navigation, scene, agents).empty()) return navigation;
     solve_all(navigation, scene, agents, cell_for_gaps(navigation, scene));
-    const std::string no_way = first_without_way(navigation, scene, agents);
+    const std::string no_way = first_without_route(navigation, scene, agents);
     if (!no_way.empty()) throw ConfigurationError(no_way);
     return navigation;
 }
 
-std::string people_without_way(const Navigation& navigation, const Scene& scene, const Agents& agents) {
-    if (scene.crowd->navigation.rule != NavigationRule::straight) return first_without_way(navigation, scene, agents);
+std::string people_without_route(const Navigation& navigation, const Scene& scene, const Agents& agents) {
+    if (scene.crowd->navigation.rule != NavigationRule::straight) return first_without_route(navigation, scene, agents);
     constexpr double worth_a_look = 5e6;  // nodes; some seconds
     const auto goals = static_cast<double>(scene.crowd->groups.size());
     if (nodes_of(scene, scene.crowd->navigation.cell) * goals > worth_a_look) return "";
     Scene led = scene;
     led.crowd->navigation.rule = NavigationRule::automatic;
     led.crowd->navigation.crowding = 0;
-    return first_without_way(make_navigation(led, agents), scene, agents);
+    return first_without_route(make_navigation(led, agents), scene, agents);
 }
 
 void update_navigation(Navigation& navigation, const Scene& scene, std::span<const std::uint32_t> active,
@@ -389,7 +389,7 @@ Navigation ways_within(const Scene& scene, const Walls& walls, const Interval& x
     const double cell = std::min(largest, std::max(smallest, narrowest_gap(navigation.sight, largest)));
     navigation.grid = travel_grid({x.lo, z.lo}, {x.length(), z.length()}, cell);
     finish_grid(navigation, scene);
-    WayField& field = navigation.fields.emplace_back();
+    TravelTimeField& field = navigation.fields.emplace_back();
     field.goal = goal;
     start_at_goal(navigation, field);
     march(field.travel, field.memory, navigation.grid, navigation.slowness, field.starts);

@@ -12,7 +12,7 @@
 #include "configs/scene/world.hpp"
 #include "crowd_client/crowd_world.hpp"
 #include "crowd_client/markers/counter_random.hpp"
-#include "crowd_client/ways/way_fields.hpp"
+#include "crowd_client/navigation/travel_time_fields.hpp"
 #include "made_up_water.hpp"
 
 using namespace wade;
@@ -168,7 +168,7 @@ TEST_CASE("From every free place the ways lead to the goal, and at no place into
     const Navigation navigation = make_navigation(scene, agents);
     const Walls walls = make_walls(scene);
     const double clearance = navigation.sight.clearance, stride = 0.04;
-    const WayField& field = navigation.fields.at(0);
+    const TravelTimeField& field = navigation.fields.at(0);
     for (std::uint64_t k = 0; k < 60; ++k) {
         Vector2d p = some_place(scene, k);
         if (!is_free(scene, p, 0)) continue;
@@ -204,10 +204,10 @@ TEST_CASE("With the goal in sight, people walk as they do straight, to the bit")
     Scene scene = navigated_scene(40, 20, {{{18, 20}, {0, 6}, 3}, {{18, 20}, {14, 20}, 3}});
     scene.crowd->groups = {people("through", 4, 4, {2, 8.5}, 1, {38, 10})};
     CrowdWorld crowd = make_crowd(scene);
-    CHECK(finds_ways(crowd.navigation));
+    CHECK(finds_routes(crowd.navigation));
     scene.crowd->navigation.rule = NavigationRule::straight;
     CrowdWorld straight = make_crowd(scene);
-    CHECK_FALSE(finds_ways(straight.navigation));
+    CHECK_FALSE(finds_routes(straight.navigation));
     for (int k = 0; k < 300; ++k) {
         step(crowd, {});
         step(straight, {});
@@ -218,9 +218,9 @@ TEST_CASE("With the goal in sight, people walk as they do straight, to the bit")
 TEST_CASE("Without obstacles and crowding there are no fields") {
     Scene scene = navigated_scene(40, 20, {});
     scene.crowd->groups = {people("a", 4, 4, {2, 8}, 1, {38, 10})};
-    CHECK_FALSE(finds_ways(make_crowd(scene).navigation));
+    CHECK_FALSE(finds_routes(make_crowd(scene).navigation));
     scene.crowd->navigation.crowding = 1;
-    CHECK(finds_ways(make_crowd(scene).navigation));
+    CHECK(finds_routes(make_crowd(scene).navigation));
 }
 
 TEST_CASE("With crowding the way leads through the door at which fewer people wait") {

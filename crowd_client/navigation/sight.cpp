@@ -1,4 +1,4 @@
-#include "crowd_client/ways/sight.hpp"
+#include "crowd_client/navigation/sight.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,8 +7,8 @@
 
 #include "configs/scene/obstacle.hpp"
 #include "crowd_client/markers/counter_random.hpp"
-#include "crowd_client/ways/monotone_queue.hpp"
-#include "crowd_client/ways/travel_time.hpp"
+#include "crowd_client/navigation/monotone_queue.hpp"
+#include "crowd_client/navigation/travel_time.hpp"
 
 using namespace wade;
 using namespace wade::crowd;

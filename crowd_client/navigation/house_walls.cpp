@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "configs/scene/interval.hpp"
-#include "crowd_client/ways/obstacles.hpp"
+#include "crowd_client/navigation/obstacles.hpp"
 
 namespace wade::crowd {
 namespace {

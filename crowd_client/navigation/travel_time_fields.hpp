@@ -9,9 +9,9 @@
 
 #include "configs/scene/crowd.hpp"
 #include "crowd_client/markers/ground_cells.hpp"
+#include "crowd_client/navigation/sight.hpp"
+#include "crowd_client/navigation/travel_time.hpp"
 #include "crowd_client/people/people.hpp"
-#include "crowd_client/ways/sight.hpp"
-#include "crowd_client/ways/travel_time.hpp"
 
 namespace wade::crowd {
 
@@ -19,7 +19,7 @@ namespace wade::crowd {
 inline constexpr double max_field_nodes = 5e7;
 
 // The travel-time field of one goal.
-struct WayField {
+struct TravelTimeField {
     Vector2d goal = Vector2d::Zero();  // in a periodic world its image with x in [0, period), m
     bool has_point = true;             // else the field leads to shelters, and `goal` is unused
     std::vector<std::pair<std::uint32_t, double>> starts;
@@ -31,8 +31,8 @@ struct WayField {
     [[nodiscard]] bool is_solved() const { return !travel.empty(); }
 };
 
-// Routes of a group in a site (site_ways.hpp). Field 2 g of group g knows the water, field 2 g + 1 does not.
-struct GroupWays {
+// Routes of a group in a site (site_routes.hpp). Field 2 g of group g knows the water, field 2 g + 1 does not.
+struct GroupRoutes {
     bool to_shelters = false;
     bool has_unwarned = false;
     People person;                   // the mean person of the group
@@ -43,7 +43,7 @@ struct GroupWays {
 };
 
 // State of the routes in a site, beside the fields.
-struct SiteWays {
+struct SiteRoutes {
     GroundCells cells;                // of the water
     std::vector<double> free;         // by cell, fraction without houses
     std::vector<float> depth, speed;  // by cell, m, m/s
@@ -64,7 +64,7 @@ struct SiteWays {
     std::vector<std::vector<std::pair<std::uint32_t, double>>> starts;  // by shelter, nodes round it
     std::vector<std::pair<std::uint32_t, double>> high_ground;
 
-    std::vector<GroupWays> groups;
+    std::vector<GroupRoutes> groups;
     std::vector<std::uint8_t> knows;  // by agent: 1 if it knows the water
 
     [[nodiscard]] bool is_full(std::size_t shelter) const {
@@ -100,10 +100,10 @@ struct Navigation {
     TravelGrid grid;
     std::vector<double> slowness;  // v / f by node; empty without crowding
     std::vector<double> density;   // people per m2, by node of one period
-    std::vector<WayField> fields;
+    std::vector<TravelTimeField> fields;
     std::vector<std::uint32_t> field_of;  // by agent
     std::vector<Vector2d> way;            // by agent, of the latest update, m; zero: straight, in a site: it waits
-    std::optional<SiteWays> site;
+    std::optional<SiteRoutes> site;
 };
 
 // Returns whether no obstacle blocks the segment from p along `way`, m.
@@ -111,12 +111,12 @@ struct Navigation {
 
 // Returns the offset along the route from p, as long as the remaining route, m; nothing if no route is visible.
 // p: in the world, or in the period of a periodic one where `rest` leads to the goal's image. rest: goal - p, m.
-[[nodiscard]] std::optional<Vector2d> way_from(const Navigation& navigation, const WayField& field, const Vector2d& p,
-                                               const Vector2d& rest);
+[[nodiscard]] std::optional<Vector2d> way_from(const Navigation& navigation, const TravelTimeField& field,
+                                               const Vector2d& p, const Vector2d& rest);
 
 // Returns positions on the route from `from` to the goal of a field, `step` apart, m, the last at most that far from
 // it. Returns an empty list if no route is found. Not for periodic worlds.
-[[nodiscard]] std::vector<Vector2d> places_on_way(const Navigation& navigation, const WayField& field,
+[[nodiscard]] std::vector<Vector2d> places_on_way(const Navigation& navigation, const TravelTimeField& field,
                                                   const Vector2d& from, double step);
 
 }  // namespace wade::crowd

@@ -1,4 +1,4 @@
-#include "crowd_client/ways/site_ways.hpp"
+#include "crowd_client/navigation/site_routes.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/site.hpp"
 #include "configs/scene/world.hpp"
-#include "crowd_client/ways/navigation.hpp"
+#include "crowd_client/navigation/navigation.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -36,7 +36,7 @@ Vector2d way_to_shelter(const PlacedHouses& shelters, std::size_t shelter, const
 }
 
 // Returns the nearest shelter with free capacity within a reach, m, and the offset to it; the first of equal ones.
-std::optional<std::pair<std::size_t, Vector2d>> shelter_near(const SiteWays& site, const Vector2d& p, double reach) {
+std::optional<std::pair<std::size_t, Vector2d>> shelter_near(const SiteRoutes& site, const Vector2d& p, double reach) {
     std::optional<std::pair<std::size_t, Vector2d>> nearest;
     double least = reach * reach;
     for_each_near(site.shelters.grounds, {p.x() - reach, p.x() + reach}, {p.y() - reach, p.y() + reach},
@@ -53,7 +53,7 @@ std::optional<std::pair<std::size_t, Vector2d>> shelter_near(const SiteWays& sit
 
 // Finds once the nodes around each shelter, with the distance left from there, and the nodes of high ground.
 void find_starts(Navigation& navigation) {
-    SiteWays& site = *navigation.site;
+    SiteRoutes& site = *navigation.site;
     const TravelGrid& grid = navigation.grid;
     const double reach = reach_of_shelters(navigation);
     site.starts.resize(site.shelters.plans.size());
@@ -81,8 +81,8 @@ void find_starts(Navigation& navigation) {
     }
 }
 
-void add_starts(const Navigation& navigation, WayField& field) {
-    const SiteWays& site = *navigation.site;
+void add_starts(const Navigation& navigation, TravelTimeField& field) {
+    const SiteRoutes& site = *navigation.site;
     if (field.has_point) return;
     field.starts = site.high_ground;
     for (std::size_t shelter = 0; shelter < site.starts.size(); ++shelter) {
@@ -92,14 +92,14 @@ void add_starts(const Navigation& navigation, WayField& field) {
 }
 
 void solve_fields(Navigation& navigation, std::span<const Vector2d> positions, int threads) {
-    const SiteWays& site = *navigation.site;
+    const SiteRoutes& site = *navigation.site;
     const bool has_crowding = navigation.crowding > 0;
     if (has_crowding) find_slowness(navigation, positions);
 #pragma omp parallel for schedule(dynamic) num_threads(threads) if (threads > 1)
     for (std::size_t i = 0; i < navigation.fields.size(); ++i) {
-        WayField& field = navigation.fields[i];
+        TravelTimeField& field = navigation.fields[i];
         add_starts(navigation, field);
-        const GroupWays& group = site.groups[i / 2];
+        const GroupRoutes& group = site.groups[i / 2];
         const bool may_differ = site.have_shelters_changed || has_crowding;
         if (field.is_solved() && i % 2 == 1 && !may_differ) continue;  // no water
         if (i % 2 == 1 && !group.has_unwarned) continue;
@@ -115,7 +115,7 @@ void solve_fields(Navigation& navigation, std::span<const Vector2d> positions, i
 void add_group(Navigation& navigation, const Scene& scene, const Agents& agents, std::size_t g,
                const std::vector<std::uint32_t>& members) {
     const AgentGroup& group = scene.crowd->groups[g];
-    GroupWays& ways = navigation.site->groups.emplace_back();
+    GroupRoutes& ways = navigation.site->groups.emplace_back();
     ways.to_shelters = group.goals == GoalRule::shelters;
     ways.has_unwarned = !group.warned;
     PersonRow mean;
@@ -138,7 +138,7 @@ void add_group(Navigation& navigation, const Scene& scene, const Agents& agents,
     ways.men /= n;
     add_person(ways.person, group, mean, true, {0, 0, 0, 0, 0});
     for (int k = 0; k < 2; ++k) {
-        WayField& field = navigation.fields.emplace_back();
+        TravelTimeField& field = navigation.fields.emplace_back();
         field.has_point = !ways.to_shelters;
         field.goal = {group.goal_x, group.goal_z};
     }
@@ -169,9 +169,9 @@ void check_shelters(const Scene& scene) {
 
 void check_size(const Navigation& navigation, const Scene& scene) {
     const double nodes = static_cast<double>(navigation.grid.closed.size()), cell = scene.crowd->navigation.cell;
-    const std::vector<GroupWays>& groups = navigation.site->groups;
+    const std::vector<GroupRoutes>& groups = navigation.site->groups;
     const auto unwarned =
-        std::count_if(groups.begin(), groups.end(), [](const GroupWays& g) { return g.has_unwarned; });
+        std::count_if(groups.begin(), groups.end(), [](const GroupRoutes& g) { return g.has_unwarned; });
     const double all = nodes * static_cast<double>(groups.size() + static_cast<std::size_t>(unwarned));
     if (all <= max_field_nodes) return;
     std::ostringstream message;
@@ -182,8 +182,8 @@ void check_size(const Navigation& navigation, const Scene& scene) {
 }
 
 // Returns whether water that the agent does not enter is visible ahead.
-bool sees_shut_water(const Navigation& navigation, const GroupWays& group, const Vector2d& p, const Vector2d& along) {
-    const SiteWays& site = *navigation.site;
+bool sees_shut_water(const Navigation& navigation, const GroupRoutes& group, const Vector2d& p, const Vector2d& along) {
+    const SiteRoutes& site = *navigation.site;
     const double step = std::min(site.cells.step_x, site.cells.step_z);
     for (double s = step; s <= site.sight; s += step) {
         const Vector2d there = p + s * along;
@@ -196,8 +196,8 @@ bool sees_shut_water(const Navigation& navigation, const GroupWays& group, const
 // Returns the offset along the route of one agent, zero where it waits.
 Vector2d way_in_site(Navigation& navigation, std::uint32_t id, std::uint32_t of_group, const Vector2d& p,
                      const Vector2d& rest) {
-    SiteWays& site = *navigation.site;
-    const GroupWays& group = site.groups[of_group];
+    SiteRoutes& site = *navigation.site;
+    const GroupRoutes& group = site.groups[of_group];
     const auto along_field = [&]() -> std::optional<Vector2d> {
         if (group.to_shelters) {
             const auto near = shelter_near(site, p, reach_of_shelters(navigation));
@@ -220,15 +220,15 @@ Vector2d way_in_site(Navigation& navigation, std::uint32_t id, std::uint32_t of_
 
 }  // namespace
 
-Navigation make_site_ways(const Scene& scene, const Agents& agents) {
+Navigation make_site_routes(const Scene& scene, const Agents& agents) {
     check_shelters(scene);
     Navigation navigation;
     const NavigationSettings& settings = scene.crowd->navigation;
     if (settings.rule == NavigationRule::straight || agents.size() == 0) return navigation;
-    constexpr double time_between_ways = 0.1;  // s; bodies decide as often by themselves
+    constexpr double time_between_decisions = 0.1;  // s; bodies decide as often by themselves
     if (scene.crowd->bodies == BodyRule::none) {
-        navigation.looks_between =
-            static_cast<std::uint64_t>(std::max(1.0, std::floor(time_between_ways * scene.crowd->step_rate + 1e-9)));
+        navigation.looks_between = static_cast<std::uint64_t>(
+            std::max(1.0, std::floor(time_between_decisions * scene.crowd->step_rate + 1e-9)));
     }
     if (settings.every > 0) {
         navigation.steps_between =
@@ -243,7 +243,7 @@ Navigation make_site_ways(const Scene& scene, const Agents& agents) {
     navigation.grid = travel_grid({0, 0}, {scene.world->length, scene.world->width}, settings.cell);
     finish_grid(navigation, scene);
 
-    SiteWays& site = navigation.site.emplace();
+    SiteRoutes& site = navigation.site.emplace();
     constexpr double step = GroundGrid::cell_size;
     site.cells = {0,
                   0,
@@ -275,7 +275,7 @@ Navigation make_site_ways(const Scene& scene, const Agents& agents) {
     find_starts(navigation);
     find_dry_slowness(navigation);
     find_free_ground(navigation);
-    for (WayField& field : navigation.fields) {
+    for (TravelTimeField& field : navigation.fields) {
         if (field.has_point) start_at_goal(navigation, field);
     }
     solve_fields(navigation, {}, 1);  // step 1 knows the people outdoors
@@ -287,12 +287,12 @@ Navigation make_site_ways(const Scene& scene, const Agents& agents) {
     return navigation;
 }
 
-bool are_site_ways_due(const Navigation& navigation, std::uint64_t step) {
+bool are_site_routes_due(const Navigation& navigation, std::uint64_t step) {
     return navigation.site && (step == 1 || navigation.site->is_stale || is_due(navigation, step));
 }
 
-void update_site_ways(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads) {
-    SiteWays& site = *navigation.site;
+void update_site_routes(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads) {
+    SiteRoutes& site = *navigation.site;
     site.are_fields_due |= navigation.crowding > 0;
     const bool was_wet = site.is_wet;
     site.is_wet = find_water(site, water, scene.fluid->rest_density);
@@ -308,8 +308,8 @@ void update_site_ways(Navigation& navigation, const Scene& scene, const WaterBin
     site.are_fields_due = true;
 }
 
-void solve_due_ways(Navigation& navigation, std::span<const Vector2d> positions, int threads) {
-    SiteWays& site = *navigation.site;
+void solve_due_fields(Navigation& navigation, std::span<const Vector2d> positions, int threads) {
+    SiteRoutes& site = *navigation.site;
     if (!site.are_fields_due) return;
     solve_fields(navigation, positions, threads);
     site.are_fields_due = site.have_shelters_changed = false;
@@ -329,14 +329,14 @@ void steer_in_site(Navigation& navigation, const Agents& agents, std::span<const
 }
 
 std::optional<std::size_t> shelter_at(const Navigation& navigation, const Vector2d& p) {
-    const SiteWays& site = *navigation.site;
+    const SiteRoutes& site = *navigation.site;
     if (const auto near = shelter_near(site, p, shelter_reach)) return near->first;
     const bool is_high = site.safe_above && ground_height(site.ground, {p.x(), p.y()}) >= *site.safe_above;
     return is_high ? std::optional(site.capacity.size()) : std::nullopt;
 }
 
 void take_in(Navigation& navigation, std::size_t shelter) {
-    SiteWays& site = *navigation.site;
+    SiteRoutes& site = *navigation.site;
     ++site.taken[shelter];
     if (shelter < site.capacity.size() && site.is_full(shelter)) site.is_stale = true;
 }
@@ -345,7 +345,7 @@ namespace {
 
 // Whether an agent at p is at its goal or has a route to it.
 bool has_route(const Navigation& navigation, const Agents& agents, std::size_t id, const Vector2d& p) {
-    const WayField& field = navigation.fields[navigation.field_of[id]];
+    const TravelTimeField& field = navigation.fields[navigation.field_of[id]];
     if (!field.has_point && shelter_at(navigation, p)) return true;
     return way_from(navigation, field, p, agents.goal[id] - p).has_value();
 }

@@ -1,4 +1,4 @@
-#include "crowd_client/ways/evasion.hpp"
+#include "crowd_client/navigation/evasion.hpp"
 
 #include <cmath>
 

@@ -28,8 +28,8 @@
 #include <vector>
 
 #include "crowd_client/agents.hpp"
+#include "crowd_client/navigation/travel_time_fields.hpp"
 #include "crowd_client/water/water_bins.hpp"
-#include "crowd_client/ways/way_fields.hpp"
 
 namespace wade::crowd {
 
@@ -41,17 +41,17 @@ inline constexpr double shelter_reach = 1;  // distance at which an agent is at 
 // Returns fields for the groups of the scene's people, without water. Throws ConfigurationError for people who go to
 // shelters in a scene without shelters and high ground or with the rule `straight`, for too many cells for the memory,
 // and, with the rule `travel_time`, for people without a route.
-[[nodiscard]] Navigation make_site_ways(const Scene& scene, const Agents& agents);
+[[nodiscard]] Navigation make_site_routes(const Scene& scene, const Agents& agents);
 
 // Returns whether this step updates the routes from the water of the whole site.
-[[nodiscard]] bool are_site_ways_due(const Navigation& navigation, std::uint64_t step);
+[[nodiscard]] bool are_site_routes_due(const Navigation& navigation, std::uint64_t step);
 
 // Updates the cells and the slowness of each group from this water; the fields become due.
-void update_site_ways(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads);
+void update_site_routes(Navigation& navigation, const Scene& scene, const WaterBins& water, int threads);
 
 // Solves the fields if they are due. They are not needed while all people are indoors. positions: of the people
 // outdoors, m.
-void solve_due_ways(Navigation& navigation, std::span<const Vector2d> positions, int threads);
+void solve_due_fields(Navigation& navigation, std::span<const Vector2d> positions, int threads);
 
 // Turns goal_offsets, m, into offsets along the routes of the active agents, and records the waiting agents.
 void steer_in_site(Navigation& navigation, const Agents& agents, std::span<const std::uint32_t> active,
@@ -81,8 +81,8 @@ void take_in(Navigation& navigation, std::size_t shelter);
 // speed by cell, and whether there is any water; slowness and shut cells of a group.
 void find_dry_slowness(Navigation& navigation);
 void find_free_ground(Navigation& navigation);
-[[nodiscard]] bool find_water(SiteWays& site, const WaterBins& water, double rest_density);
-void find_wet_slowness(const Navigation& navigation, GroupWays& group, const WaterProperties& water);
+[[nodiscard]] bool find_water(SiteRoutes& site, const WaterBins& water, double rest_density);
+void find_wet_slowness(const Navigation& navigation, GroupRoutes& group, const WaterProperties& water);
 
 // Returns whether an agent waits at the water's edge, or has no route.
 [[nodiscard]] inline bool is_waiting(const Navigation& navigation, std::uint32_t id) {

@@ -6,8 +6,8 @@
 #include "configs/scene/crowd.hpp"
 #include "configs/scene/obstacle.hpp"
 #include "configs/scene/site.hpp"
+#include "crowd_client/navigation/site_routes.hpp"
 #include "crowd_client/water/footprint.hpp"
-#include "crowd_client/ways/site_ways.hpp"
 
 namespace wade::crowd {
 namespace {
@@ -16,7 +16,7 @@ constexpr double safe_demand = 0.8;   // largest D of water that a group enters
 constexpr double shut_factor = 1000;  // of the slowness in water that it does not enter
 constexpr double wet = 0.01;          // m; shallower water does not count
 
-Vector2d gradient_of(const SiteWays& site, const Vector2d& p) {
+Vector2d gradient_of(const SiteRoutes& site, const Vector2d& p) {
     const double half = 0.5 * site.ground_step;
     const auto height = [&](double x, double z) { return ground_height(site.ground, {x, z}); };
     return Vector2d(height(p.x() + half, p.y()) - height(p.x() - half, p.y()),
@@ -25,7 +25,8 @@ Vector2d gradient_of(const SiteWays& site, const Vector2d& p) {
 }
 
 // Returns r of the header, or 0 for a cell that the group does not enter.
-double share_of_speed(const GroupWays& group, const SiteWays& site, std::size_t cell, const WaterProperties& water) {
+double share_of_speed(const GroupRoutes& group, const SiteRoutes& site, std::size_t cell,
+                      const WaterProperties& water) {
     const auto depth = static_cast<double>(site.depth[cell]), speed = static_cast<double>(site.speed[cell]);
     if (!(depth > 0)) return 1;
     if (site.enters_up_to && depth > *site.enters_up_to) return 0;
@@ -42,7 +43,7 @@ double tobler(double rise) {
 }
 
 void find_dry_slowness(Navigation& navigation) {
-    SiteWays& site = *navigation.site;
+    SiteRoutes& site = *navigation.site;
     if (site.slope == SlopeRule::level) return;
     const TravelGrid& grid = navigation.grid;
     site.dry.resize(grid.closed.size());
@@ -56,7 +57,7 @@ void find_dry_slowness(Navigation& navigation) {
 
 // Computes the fraction of each cell without houses, from 8 x 8 points in cells that a side may cut.
 void find_free_ground(Navigation& navigation) {
-    SiteWays& site = *navigation.site;
+    SiteRoutes& site = *navigation.site;
     const GroundCells& cells = site.cells;
     site.free.assign(cells.cells(), 1.0);
     constexpr int across = 8;
@@ -79,7 +80,7 @@ void find_free_ground(Navigation& navigation) {
 }
 
 // Computes depth and speed by cell; returns whether there is any water.
-bool find_water(SiteWays& site, const WaterBins& water, double rest_density) {
+bool find_water(SiteRoutes& site, const WaterBins& water, double rest_density) {
     const std::size_t cells = site.cells.cells();
     const double area = site.cells.step_x * site.cells.step_z;
     const double of_column = water.column.x() * water.column.y() / area;
@@ -116,8 +117,8 @@ bool find_water(SiteWays& site, const WaterBins& water, double rest_density) {
     return any;
 }
 
-void find_wet_slowness(const Navigation& navigation, GroupWays& group, const WaterProperties& water) {
-    const SiteWays& site = *navigation.site;
+void find_wet_slowness(const Navigation& navigation, GroupRoutes& group, const WaterProperties& water) {
+    const SiteRoutes& site = *navigation.site;
     const TravelGrid& grid = navigation.grid;
     std::vector<float> factor(site.cells.cells());
     group.shut.assign(site.cells.cells(), 0);
