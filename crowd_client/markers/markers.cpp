@@ -116,7 +116,7 @@ void check_ranges(const Crowd& crowd, const GroundGrid& grid) {
     } else if (crowd.markers == MarkerRule::redrawn && !fits_sub_cells(crowd)) {
         message << "/crowd/markers_per_cell is " << crowd.markers_per_cell
                 << ", with redrawn markers allowed is a square "
-                << "number (16, 25, 36, 49, 64, ...) whose sub-cells of 2 m / its root are at least "
+                << "number (16, 25, 36, 49, 64, ...) with sub-cells, 2 m / its root, that are at least "
                 << crowd.marker_min_distance << " m wide (/crowd/marker_min_distance_m)";
     } else if (static_cast<double>(grid.cells()) * crowd.markers_per_cell > most_markers) {
         message << "/crowd/markers_per_cell: " << crowd.markers_per_cell << " markers in each of the " << grid.cells()

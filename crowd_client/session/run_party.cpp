@@ -112,7 +112,7 @@ class Voyage {
         const std::string& session = start_.options.session;
         if (!has_way_back() || !shm::has_living_producer(session, shm::stream_agents)) return;
         throw shm::Error(shm::Failure::name_in_use,
-                         "Session '" + session + "' has a crowd whose agents the water takes; choose another session.");
+                         "Session '" + session + "' has a crowd that gives its agents to the water; choose another session.");
     }
 
     void join() {

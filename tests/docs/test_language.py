@@ -40,10 +40,6 @@ def messages_of(text):
     return " ".join(found for found in MESSAGE.findall(joined) if found.count(" ") >= 2)
 
 
-def prose_of(text):
-    return "\n".join(line.text for line in parse(text).prose)
-
-
 def texts():
     """{kind of text: all of it}"""
     files = [name for name in sorted(TREE.files) if name.endswith((*LIKE_C, ".py", ".sh"))]
@@ -65,7 +61,8 @@ def per_thousand(pattern, text):
 
 def sentences(text):
     """Lengths of the sentences of paragraphs, in words."""
-    paragraphs = re.split(r"\n\s*\n|\n\s*[*#-] ", prose_of(text))
+    prose = "\n".join("" if line.text.startswith("#") else line.text for line in parse(text).prose)
+    paragraphs = re.split(r"\n\s*\n|^\s*[*-] |\n\s*[*-] ", prose)
     parts = [part for paragraph in paragraphs for part in re.split(r"(?<=[.!?])\s+(?=[A-Z`\[])", paragraph)]
     return [len(part.split()) for part in parts if part.rstrip().endswith((".", "!", "?", ":"))]
 

@@ -47,7 +47,7 @@ recording::Thinning thinning_of(const Options& o) {
     if (o.region.empty()) {
         if (o.quantised)
             throw ConfigurationError(
-                "--quantised needs --region, the box whose places are rounded to 1/65535 of its "
+                "--quantised needs --region, the box of the positions, rounded to 1/65535 of its "
                 "edges (shm_record --help shows the options).");
         return thinning;
     }

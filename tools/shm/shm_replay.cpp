@@ -105,7 +105,7 @@ void AgentsTaker::take_all(const std::string& session, const shm::Waiting& waiti
         subscriber.emplace(session, "replay", join);
         if (subscriber->info().impulses) {
             const std::string why =
-                "A recording cannot answer people who push the water: a run with /coupling/two_way has no replay.";
+                "A recording cannot answer people that push the water: a run with /coupling/two_way has no replay.";
             // Recorded before the crowd is told: otherwise the end of the crowd would be taken for the cause.
             fail(std::make_exception_ptr(shm::Error(shm::Failure::protocol_violation, why)));
             refused_ = true;

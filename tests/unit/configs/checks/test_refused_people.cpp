@@ -50,14 +50,16 @@ TEST_CASE("hands that no one has or that do not reach are refused, and keys of b
     const std::string two = crowd(group("a", 2, 2, R"(, "columns": 2)"));
     const auto refused = [&](const std::vector<std::string>& set) { return refusal(two, set); };
     const std::string hands = "/crowd/groups/0/hand_in_hand=along_x", measured = "/crowd/response=measured";
-    CHECK_THAT(refused({hands}), Contains("/crowd/groups/0/hand_in_hand: along_x: people that answer the water by tau"));
+    CHECK_THAT(refused({hands}),
+               Contains("/crowd/groups/0/hand_in_hand: along_x: people that answer the water by tau"));
     CHECK_THAT(refused({hands, measured, "/crowd/groups/0/tau=0.5"}), Contains("hold no others"));
     CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.9"}),
                Contains("0.9 m apart (/start/pitch_x_m") && Contains("allowed: <= 0.8 m"));
     CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7", "/crowd/groups/0/start/jitter_m=0.1"}),
                Contains("up to 0.9 m apart"));
     CHECK_NOTHROW(load_patched(two, {hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7"}));
-    CHECK_THAT(refused({"/crowd/groups/0/rescuer=true"}), Contains("/crowd/groups/0/rescuer: true: people who answer"));
+    CHECK_THAT(refused({"/crowd/groups/0/rescuer=true"}),
+               Contains("/crowd/groups/0/rescuer: true: people that answer"));
     CHECK_THAT(refused({"/crowd/groups/0/rescuer=true", measured, "/crowd/groups/0/tau=0.5"}), Contains("/rescuer"));
     CHECK_THAT(refused({hands, measured, "/crowd/groups/0/start/pitch_x_m=0.7", "/crowd/groups/0/rescuer=true"}),
                Contains("/crowd/groups/0/rescuer: true: a line takes both hands") && Contains("hand_in_hand \"none\""));

@@ -67,7 +67,7 @@ TEST_CASE("an obstacle within the particles' reach of the emitter or of a period
                Contains("scene.json: /obstacles/0: the obstacle at x ") && Contains("too near to the emitter"));
     CHECK_NOTHROW(load_patched(with(emitter_river, box(end - 3, end - 2, z, z + 0.5, "height_m"))));
     CHECK_THAT(refusal(with(recirculating_river, box(end - 2, end - 0.9, z, z + 0.5, "height_m"))),
-               Contains("/obstacles/0") && Contains("periodic border (2 particle spacings)"));
+               Contains("/obstacles/0") && Contains("periodic border (1 m)"));
     CHECK_NOTHROW(load_patched(with(recirculating_river, box(end - 2, end - 1, z, z + 0.5, "height_m"))));
 }
 
