@@ -10,7 +10,7 @@
 #include "crowd_client/navigation/site_routes.hpp"
 #include "made_up_water.hpp"
 
-namespace wade::crowd::site_ways_test {
+namespace wade::crowd::site_routes_test {
 
 using namespace wade::crowd::testing;
 
@@ -49,6 +49,31 @@ TEST_CASE("Tobler's speed is 1 on level ground, largest 5 % downhill, and halves
     CHECK(tobler(0) == 1);
     CHECK(tobler(-0.05) == Approx(std::exp(0.175)));
     CHECK(tobler(0.15) == Approx(std::exp(-3.5 * 0.15)));
+}
+
+TEST_CASE("Routes see the same depth with cells of the fluid of any size, beside houses too") {
+    CrowdWorld crowd = make_crowd(two_shelters(0));
+    SiteRoutes& site = *crowd.navigation.site;
+    const double cell = GENERATE(0.3, 0.5, 0.89, 1.34, 2.0, 4.0), depth = 0.5, speed = 1.5;
+    const double dx = 60 / std::round(60 / cell), dz = 40 / std::round(40 / cell);
+    WaterBins water = empty_bins(crowd.scene);
+    water.column = {dx, dz};
+    for (double x = 0.5 * dx; x < 60; x += dx) {
+        for (double z = 0.5 * dz; z < 40; z += dz) {
+            if (std::abs(x - 30) + 0.5 * dx <= 8 && std::abs(z - 20) + 0.5 * dz <= 8) continue;
+            water.x.push_back(x);
+            water.z.push_back(z);
+            water.mass.push_back(static_cast<float>(1000 * depth * dx * dz));
+            water.vx.push_back(static_cast<float>(speed));
+            water.vz.push_back(0);
+        }
+    }
+    CHECK(find_water(site, water, 1000));
+    for (std::size_t c = 0; c < site.cells.cells(); ++c) {
+        if (site.free[c] == 0) continue;
+        CHECK(site.depth[c] == Approx(depth).epsilon(1e-5));
+        CHECK(site.speed[c] == Approx(speed).epsilon(1e-5));
+    }
 }
 
 TEST_CASE("People come to the nearer shelter, and on to the next once it is full") {
@@ -293,4 +318,4 @@ TEST_CASE("A run in a site has the same bits for any number of threads") {
     CHECK(run(1) == run(3));
 }
 
-}  // namespace wade::crowd::site_ways_test
+}  // namespace wade::crowd::site_routes_test
