@@ -14,8 +14,8 @@ void move_agents(CrowdWorld& crowd);
 
 // Returns true if the water carries agent k out of the site: into an outlet, or to within 1.5 cells or particle
 // spacings of its line, as the outlet is emptied and may leave the agent half a cell or spacing beside it [A]. An agent
-// that responds by body must have lost its feet. An agent with a given tau must have moved farther along the momentum
-// of the water in this step than it walks.
+// that responds by body must have lost its feet and hold on to nothing. An agent with a given tau must have moved
+// farther along the momentum of the water in this step than it walks.
 [[nodiscard]] bool leaves_with_water(const CrowdWorld& crowd, std::size_t k);
 
 // Departures and arrivals, in departures.cpp: residents leave their houses, or go to the upper floor, at their

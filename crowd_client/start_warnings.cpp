@@ -36,7 +36,7 @@ std::string warning_of_markers(const Crowd& crowd) {
 int least_markers_per_cell(const Crowd& crowd) {
     const Needed needed = needed_markers(crowd);
     const double radius = crowd.perception_radius;
-    // Below 1 m the number of markers within the radius is that at 1 m; above, it follows a power of the radius.
+    // Below 1 m as many markers are needed within the radius as at 1 m; above, a power of the radius gives the number.
     const double count = radius < 1 ? needed.at_1_m / (radius * radius)
                                     : needed.at_1_m * std::pow(needed.at_2_m / needed.at_1_m, std::log2(radius));
     return static_cast<int>(std::ceil(count - 1e-9));

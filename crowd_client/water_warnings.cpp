@@ -97,8 +97,8 @@ std::string remedy_of_spacing(Scene scene, double spacing) {
     return remedy;
 }
 
-// Warns of few layers of solver particles: depths, and the flow sampled by agents, fluctuate by 5 % with 4 layers and
-// by 11 % with 2 (`tools/wade converge river_075`).
+// Warns of few layers of solver particles: depths fluctuate by 5 % with 4 layers and by 11 % with 2, and the flow
+// sampled by agents fluctuates with them (`tools/wade converge river_075`).
 std::string warning_of_layers(const Scene& scene, ModelChoice choice) {
     const double spacing = scene.fluid->particle_spacing, depth = depth_at_people(scene);
     if (depth > 0.98 * least_layers * spacing) return "";

@@ -12,8 +12,8 @@ namespace wade {
 // Tolerance for sums of decimal values such as 6 * 0.05, which differ from the decimal sum by rounding.
 inline constexpr double rounding_tolerance = 1e-9;
 
-// Throws one ConfigurationError with a line for each fault; a line begins with `source` and the JSON pointer. Geometry
-// is checked first, because the other checks compute with its lengths and positions:
+// Throws one ConfigurationError with a line for each fault; a line begins with `source` and the JSON pointer. Faults of
+// the geometry, then of the site, end the checks, because later checks compute with their lengths and positions:
 //   geometry    intervals, the channel in the world, obstacles and water blocks in the channel and apart from one another
 //   boundaries  bed points, top, planes without slip, slope, friction, an inflow that changes
 //   site        if the scene has one: ground without holes, houses and water that lie on it, and no agents in walls

@@ -251,8 +251,8 @@ void check_tau_histories(const Crowd& crowd, std::size_t g, const std::string& s
     }
 }
 
-// Checks that people of a group with hand_in_hand can hold one another: the response has hands, and neighbours are
-// within reach.
+// Checks that people of a group with hand_in_hand can hold one another: they respond by their bodies, not by tau, and
+// neighbours start within reach.
 void check_hands(const Scene& scene, const AgentGroup& group, const std::string& source, const std::string& pointer) {
     if (group.hand_in_hand == HandInHand::none) return;
     const std::string key = pointer + "/hand_in_hand", hands = name_of(group.hand_in_hand);

@@ -23,8 +23,8 @@ inline constexpr std::array<double, danger_levels> danger_bounds{0, 0, 0.5, 0.75
 }
 
 // Combined hazard class H1 to H6 of Australian Rainfall and Runoff (Ball et al. 2019, book 6, table 6.7.4; Smith, Davey
-// and Cox 2014): the first class with all three upper bounds, of h v, h and v, kept. 0: no water. A guideline; for
-// small children, height times mass up to 25 m kg, no h v is safe (Cox, Shand and Blacka 2010).
+// and Cox 2014): the first class with h v, h and v all within its upper bounds. 0: no water. A guideline; for small
+// children, height times mass up to 25 m kg, no h v is safe (Cox, Shand and Blacka 2010).
 struct HazardClass {
     double depth_speed, depth, speed;  // m2/s, m, m/s
 };

@@ -8,7 +8,8 @@
 //                                                                                    wave's period is 0.1 times as wrong
 //
 // The figures come from docs/models_of_water.md#kernels. If a kernel's support is too long for the walls or the period
-// of the scene, the next shorter kernel is used. support_in_spacings requires the cubic spline.
+// of the scene, the next shorter kernel is used. With support_in_spacings other than 2
+// the choice is the cubic spline.
 
 #include "configs/scene/fluid.hpp"
 #include "configs/scene/scene.hpp"

@@ -14,8 +14,8 @@ namespace wade {
 // Returns h, the support radius of the kernel, m.
 [[nodiscard]] double support_radius_of(const Fluid& fluid);
 
-// Returns how far obstacles and bed stay level or away from inflows and periodic borders, m: the support radius, in shallow water
-// a cell if that is less.
+// Returns the length next to emitters and periodic borders that must have a level bed and no obstacles (twice as long
+// for obstacles at an emitter), m: the support radius, in shallow water the cell size if that is less.
 [[nodiscard]] double reach_of_water(const Fluid& fluid);
 
 // Returns the greatest water height in the scene's keys, m: the scale of wave speeds and of the grid.
@@ -32,11 +32,11 @@ namespace wade {
 //   recirculating  the filled channel
 //   periodic       the filled channel, or as closed
 //   closed         the sum over the water blocks, each volume / d^3, rounded
-//   on a site     the standing water at t = 0; water from sources needs more
+//   on a site      the standing water at t = 0; water from sources needs further capacity
 [[nodiscard]] std::uint64_t particles_needed(const Scene& scene);
 
-// Returns the largest number of particles to expect: those needed and those that sources of a site bring during the
-// run, but no more than fluid.max_particles.
+// Returns the largest number of particles to expect: particles_needed() plus the particles from the sources of a site
+// during the run, at most fluid.max_particles.
 [[nodiscard]] std::uint64_t particles_expected(const Scene& scene);
 
 }  // namespace wade

@@ -90,8 +90,8 @@ inline Vector flee(const Vehicle& v, const Vector& threat) {
     return minus(times(v.max_speed, direction(minus(v.position, threat))), v.velocity);
 }
 
-// Returns the future position of something with constant velocity, when a vehicle at full speed could be there: the
-// prediction T = D / max_speed, at most `longest`, s.
+// Returns the position of a target with constant velocity after the prediction time T = D / max_speed, at most
+// `longest`, s. D is the distance of the vehicle from the target's current position `place`, m.
 inline Vector predicted(const Vehicle& v, const Vector& place, const Vector& velocity, double longest) {
     const double time = std::min(length(minus(place, v.position)) / v.max_speed, longest);
     return plus(place, times(time, velocity));

@@ -34,7 +34,7 @@
 //   kappa   contested fraction of the agent's markers,      A       area of the agent's own markers
 //           over 0.4 s                                      a       area that the body covers, pi (0.72 r)^2
 //   b       fraction of the time with |v| < beta F v0,      c       fraction of the wish that was lost,
-//           over T_b; the bound falls with the fraction             1 - u.w / w^2, over 1 s
+//           over T_b; the bound scales with the fraction            1 - u.w / w^2, over 1 s
 //           of v_B that the water leaves
 //   lambda  mean cosine, >= 0, between the agent's heading and the headings within 1.5 m, without oncoming ones
 //           (cosine < -0.85), over 1 s

@@ -2,8 +2,8 @@
 // Boxes with a spatial index.
 //
 // The rectangle around all boxes is divided into square cells. Each cell lists, in their order, the boxes nearer to it
-// than half a cell. A query at most a cell wide reads the list of one cell, at its middle; a wider one merges the lists
-// of the cells that it touches. The outermost cells count for everything beyond them.
+// than half a cell. A query at most a cell wide reads one list, of the cell that holds the query's middle; a wider one
+// merges the lists of the cells that it touches. The outermost cells count for everything beyond them.
 
 #include <algorithm>
 #include <cstddef>

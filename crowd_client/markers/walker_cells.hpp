@@ -3,8 +3,8 @@
 //
 //      +----+----+----+      A walker w that claims within R <= 1 m of its site reaches 2 x 2 cells, with R <= 2 m
 //      |    |::::|::::|      3 x 3 of them (the source's R is 1 m). It is sorted under the lowest of them, its corner
-//      +----+--w-+----+      cell C. So `span` runs hold the walkers that reach a cell: for its own row and each row
-//      |    |C:::|::::|      below it, the cells to its left and its own column.
+//      +----+--w-+----+      cell C. So `span` runs hold the walkers that reach a cell, one for its own row and for
+//      |    |C:::|::::|      each of the span - 1 rows below: `span` cells up to its own column, from the left.
 //      +----+----+----+
 
 #include <algorithm>

@@ -1,8 +1,7 @@
 #pragma once
 // Routes around obstacles and crowds: travel-time fields for each goal, and their direction of steepest descent.
 //
-// Eq. 3 uses only the direction of the goal. With the rule `travel_time` it gets one of these offsets, not always
-// goal - X:
+// Eq. 3 uses only the direction of the goal. With the rules `travel_time` and `auto` it gets one of these offsets:
 //
 //   goal - X                   where the goal is visible; with crowding only within the disc where the field starts
 //   -L grad L / |grad L|       in a cell of the field that no obstacle reaches, L bilinear between its nodes

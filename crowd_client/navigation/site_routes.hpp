@@ -14,8 +14,8 @@
 //                            NCGIA report 93-1 (1993): speed over that on level ground, S the rise along the route
 //   may enter                D < 0.8 for the group's mean person standing there, and at most enters_up_to_m of water
 //
-// Water is sampled in cells of 2 m, whatever the cells of the fluid: depth = mass / (rho, ground without houses),
-// velocity = momentum / mass.
+// Water is sampled in cells of 2 m, whatever the cells of the fluid: depth = mass / (rho A), velocity = momentum /
+// mass. A is the larger of the cell's area without houses and its area under columns, at least 1/16 of the cell.
 //
 // An unwarned agent follows a field without water. Once it sees water that it may not enter, up to sight_m ahead on its
 // route with no house between, it changes to the field of the warned agents for good [A]. An agent outside of such

@@ -15,7 +15,7 @@
 namespace wade::crowd {
 
 // How long a person off its feet stays within a metre of one position. A person counts as pressed for 1 s after a solid
-// or other people cut more than half of its motion with the stream.
+// or other people cut more than half of its motion, if the lost part points downstream.
 struct Stop {
     Vector2d at = Vector2d::Zero();            // m
     double time = 0;                           // so far, s
@@ -40,7 +40,7 @@ struct People {
     // As of the last step, low-passed with 0.3 s: a stride takes 0.5 s, and stability depends on means.
     std::vector<double> depth;     // h, m
     std::vector<Vector2d> flow;    // h U, m2/s
-    std::vector<double> lee;       // delta of the wake round the walking person (push.hpp), [0, 1]; 0 without shielding
+    std::vector<double> lee;       // delta of the wake that it walks in (push.hpp), [0, 1]; 0 without shielding
     std::vector<Vector2d> wanted;  // walking velocity, m/s
     std::vector<double> slip;      // S
     std::vector<double> topple;    // T
@@ -51,7 +51,7 @@ struct People {
     std::vector<double> drowns_at;   // E of drift.hpp
     std::vector<Stop> stop;
 
-    std::vector<Wear> wear;  // empty without fatigue and cold water
+    std::vector<Wear> wear;  // empty unless people tire or the water has a temperature
     bool tires = false;
     std::optional<double> water_temperature;  // C
     DriftHazard drift_hazard;
@@ -67,7 +67,7 @@ struct FeltStep {
     double dt = 0;                                                  // s
     bool is_first = false;                                          // of the run: no earlier samples
     double most_impulse = std::numeric_limits<double>::infinity();  // that the water can give in the step, N s
-    double lee = 0;                                                 // delta of the wake round the walking person
+    double lee = 0;                                                 // delta of the wake that the person walks in
 };
 
 // Constants mu and lambda of a skill; sources in docs/people_in_water.md.

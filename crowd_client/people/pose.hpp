@@ -4,14 +4,14 @@
 // The aims of a pose may jump. The written values x follow them, x'' = -2 w x' - w^2 (x - aim), exact for any step. So
 // x and x' do not jump, and |x'| <= w A / e, e = 2.718, if all aims lie within A of one another.
 //
-//   heading      direction of the legs' wanted velocity; turns at pi rad/s at most [A], and not at wanted velocity 0
+//   heading      direction of the legs' wanted velocity; turns at pi rad/s at most [A], and not below 0.1 m/s
 //   gait         s = 0.004 n H min (Inman et al. 1981), step length s, m, of n steps a minute, so that s = sqrt(0.24 s H v), here v
 //                the speed along the heading, also in water. Phase: number of strides of two steps, modulo 1
 //   lean         against the stream: sin = (min(1, T) lambda - 0.04) / 0.55, the moment of the drag beyond that of the
 //                feet, 0.04 H; a falling body leans downstream until it lies
 //   hip          0.53 H upright (Drillis and Contini 1966); lying: half of a thickness of 0.25 m below the surface
-//   turning      without ground: half of the vorticity of the water, about y as sampled, about x and z U / h, of a
-//                stream at rest at the bed [A]
+//   turning      without ground: half of the vorticity of the water: as sampled about y; U / (2 h) about x and z, for a
+//                lying body in a stream at rest at the bed [A]
 
 #include <Eigen/Core>
 #include <array>

@@ -75,7 +75,7 @@ struct Strain {
     double height = 1.7;                  // H, m
     double arm = 0;                       // lambda H, m
     double depth = 0;                     // h, m
-    double hold = 0;                      // M_hold of the link to a standing person, N m
+    double hold = 0;                      // M_hold of the links to standing people or ropes, N m
     bool can_swim = false;
     bool is_pressed = false;    // at rest for 10 s, and pressed by the water on a solid or on others
     double air = air_budget;    // that lasts for the person in this water, s

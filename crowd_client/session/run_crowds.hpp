@@ -30,8 +30,8 @@ struct CrowdRun {
 struct RunHooks {
     // Before each frame is asked for, to pause and to take commands.
     std::function<void()> before_frame = {};
-    // After each step of crowd k, before the frame is released, to log. Called by several threads, but for one crowd by
-    // one.
+    // After each step of crowd k, before the frame is released, to log. Several threads call it, but never two at once
+    // for one crowd.
     std::function<void(std::size_t k, const WaterView&)> on_step = {};
     // After the steps of all crowds, before the frame is released.
     std::function<void(const shm::Frame&)> on_frame = {};

@@ -111,8 +111,9 @@ class Voyage {
     void demand_free_way_back() {
         const std::string& session = start_.options.session;
         if (!has_way_back() || !shm::has_living_producer(session, shm::stream_agents)) return;
-        throw shm::Error(shm::Failure::name_in_use,
-                         "Session '" + session + "' has a crowd that gives its agents to the water; choose another session.");
+        throw shm::Error(
+            shm::Failure::name_in_use,
+            "Session '" + session + "' has a crowd that gives its agents to the water; choose another session.");
     }
 
     void join() {
@@ -155,7 +156,7 @@ class Voyage {
         }
     }
 
-    // Tells the producer why an agents stream that it expects is missing.
+    // Opens the agents stream; if that fails, tells the producer of the water why, and throws.
     void open_way_back(shm::Waiting waiting) {
         // While the crowd waits for the water to take its agents, the water may die.
         waiting.interrupted = [this] { return received_signal() != 0 || !source_->producer_is_there(); };

@@ -17,10 +17,13 @@
 // walls. A path meets up to three walls.
 //
 // Visibility fades at the edges of walls, where the water turns by more than a half turn (sight-inl.hpp). A path that
-// passes an edge at a distance e in plan, negative if it hits a wall there, has the
-// fraction clamp(1/2 + e / (2 delta), 0, 1). A reflected path counts with its distance e inside of the edge. Both apply
-// only if the foot of the edge lies on the unfolded path, so that the two fractions add up to one. A path that ends
-// before it passes the edge sees all or nothing.
+// passes an edge at a distance e in plan, negative if it hits a wall there, counts with the fraction
+//
+//   clamp(1/2 + e / (2 delta), 0, 1)
+//
+// A reflected path counts with the same formula; e is then the distance of its line from the wall's edge, positive if
+// the path meets the wall within the edge. Both apply only if the foot of the edge lies on the unfolded path, so that
+// the two fractions add up to one. A path that ends before it passes the edge sees all or nothing.
 
 #include <cstddef>
 #include <cstdint>

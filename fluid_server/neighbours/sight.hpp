@@ -19,7 +19,7 @@ struct Watchers {
     const ClusterPositions& places;
     const Box& box;  // round them
     std::span<const Box>
-        obstacles;    // that may block the view; none unless one is nearer than the support radius and delta
+        obstacles;    // that may block the view; none unless one is nearer than the support radius plus delta
     float delta = 0;  // half the width of the fade of visibility at their edges, m
 };
 

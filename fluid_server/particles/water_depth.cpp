@@ -14,7 +14,7 @@ namespace wade::fluid {
 namespace {
 
 // Threshold in multiples of the depth of the scene's water. A trial with 1.25 kept the jump up as well; with 2 nothing
-// changes in scenes with water near its initial depth.
+// changes in scenes with water near that depth.
 constexpr double piled_up = 2;
 constexpr double few_layers = 10;  // up to so many layers their number does not change the solve
 

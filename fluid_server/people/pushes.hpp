@@ -100,9 +100,9 @@ void take_pushes(const AgentsView& agents, PeopleInWater& people);
 // Writes the account into the diagnostics of a frame, once there are impulses.
 void note_people(const PeopleInWater& people, shm::Diagnostics& diagnostics);
 
-// Finds the particles of the water column round a person: particles with some part below the submerged height of the
-// person, none that an emitter or a guard moves. grid: sorted. counts: fraction of a particle at x that belongs to the
-// water, [0, 1].
+// Finds the particles of the water column round a person: nearer in plan than the spread R and lower than `top`, m
+// (top_of_column()), none that an emitter or a guard moves. grid: sorted. counts: fraction of a particle at x that
+// belongs to the water, [0, 1].
 template <typename Counts>
 void find_near(const Push& push, const CellGrid& grid, const Particles& p, float top, Counts&& counts,
                NearParticles& near) {
@@ -148,7 +148,8 @@ using GroundAt = std::function<float(const GroundVector& place)>;
     return [&bed](const GroundVector& place) { return bed_height(bed, static_cast<float>(place[0])); };
 }
 
-// Returns the upper limit of the particles in the column of a person, m.
+// Returns the upper limit of particle centres in the column of a person, m: some part of a lower particle is no higher
+// than the submerged part of the person.
 [[nodiscard]] float top_of_column(const Push& push, const GroundAt& ground, double spacing);
 
 // Adds these particles, each of `mass` kg, to the sums.

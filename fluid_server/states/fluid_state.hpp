@@ -21,7 +21,7 @@ struct FluidState {
     Particles particles{0};  // in the order of the run
 };
 
-// Copies the living particles of `from` over the ones in `to`: 33 bytes a particle, no allocation if the capacity is
+// Replaces the living particles of `to` by those of `from`: 33 bytes a particle, no allocation if the capacity is
 // enough. Throws std::length_error if it is not.
 void copy_particles(const Particles& from, Particles& to);
 

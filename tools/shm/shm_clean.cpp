@@ -95,8 +95,7 @@ int main(int argc, char** argv) {
     std::string pattern;
     bool dry_run = false;
     ToolArguments arguments(
-        "shm_clean",
-        "Removes the segments of dead producers in /dev/shm; never a living one's, never another user's.");
+        "shm_clean", "Removes the segments of dead producers in /dev/shm; never a living one's, never another user's.");
     arguments.positional("PATTERN", pattern, "Sessions or segments, with * and ? as a shell has them [all]", false);
     arguments.flag("--dry-run", dry_run, "Only say what would be removed");
     return run_tool(arguments, argc, argv, [&](Console&) { return clean(pattern, dry_run); });

@@ -107,7 +107,7 @@ int inspect(const Options& o) {
 int main(int argc, char** argv) {
     Options o;
     ToolArguments arguments(
-        "shm_inspect", "Shows sessions: header, state, frame, rate, and how far each participant is. Disturbs none.");
+        "shm_inspect", "Shows sessions: header, state, frame, rate, and how far each participant is. Holds up no run.");
     arguments.positional("SESSION", o.session, "Name of the session [all]", false);
     arguments.flag("--all", o.all, "All segments of this machine");
     arguments.flag("--watch", o.watch, "Show again after each interval, until the session is gone or Ctrl-C");

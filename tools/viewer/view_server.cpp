@@ -292,7 +292,7 @@ class Show {
 int main(int argc, char** argv) {
     Options o;
     ToolArguments arguments("wade_view_server",
-                            "Serves the page of tools/wade view, and what it shows, on 127.0.0.1. Disturbs no run.");
+                            "Serves the page of tools/wade view, and what it shows, on 127.0.0.1. Holds up no run.");
     arguments.word("--page", o.page, "Folder of the page", {"DIR"});
     arguments.word("--three", o.three, "Folder of the npm package three", {"DIR"});
     arguments.word("--run", o.run, "Run folder to show", {"DIR"});

@@ -81,7 +81,7 @@ void fields(EvasionSettings& evasion, Fields& f) {
 void fields(NavigationSettings& navigation, Fields& f) {
     f.choice(
         "rule", navigation.rule,
-        "straight: as in the source, towards the goal; agents slide along an obstacle, or stand before one that "
+        "straight: as in the source, towards the goal; agents slide along an obstacle, or may stand before one that "
         "they meet face to face. travel_time: the quickest way round the obstacles, at least "
         "body_radius_m (0.72 of it with bodies) away from them where the ground allows it, by a field of the "
         "travel time to each goal "

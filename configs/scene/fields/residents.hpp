@@ -9,8 +9,8 @@
 
 namespace wade {
 
-// Returns the first group that starts in houses; residents without a group belong to it. Returns the number of groups
-// if there is none.
+// Returns the index of the first group that starts in houses; residents without a group belong to it. Returns the
+// number of groups if there is none.
 [[nodiscard]] inline std::size_t first_group_in_houses(const Crowd& crowd) {
     const auto found = std::find_if(crowd.groups.begin(), crowd.groups.end(),
                                     [](const AgentGroup& group) { return group.starts == StartRule::houses; });

@@ -92,7 +92,7 @@ Json beyond_json(const People& people) {
             {"time_s", std::accumulate(people.beyond.begin(), people.beyond.end(), 0.0)}};
 }
 
-// Returns the worst state of a person with a response of the body; empty for a person with a response by tau.
+// Returns the worst state of a person that responds by body; empty for a person with a given tau.
 std::string_view worst_state(const People& people, std::size_t id) {
     return people.by_body[id] != 0 ? person_states[static_cast<std::size_t>(people.worst[id])] : "";
 }

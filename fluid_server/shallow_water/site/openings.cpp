@@ -130,7 +130,7 @@ void keep_largest_parts(OpenGrid& grid, const Cover& cover) {
 }
 
 // Lengthens a gate beyond the centre of its end cell if a wall fills a part of that cell; otherwise the face beside the
-// wall stays open.
+// wall would stay open.
 MapLine up_to_walls(const OpenGrid& open, const Grid& grid, MapLine line) {
     const auto lengthen = [&](MapPoint& end, const MapPoint& from) {
         const double column = (end.x - grid.x.lo) / grid.dx, row = (end.z - grid.z.lo) / grid.dz;

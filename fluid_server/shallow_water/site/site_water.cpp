@@ -128,8 +128,9 @@ struct BoundaryFlow {
     double h = 0, u = 0;
 };
 
-// Returns the speed of the incoming wave relative to the water inside, m/s; a bore by momentum balance if the level
-// outside is higher. inside, outside: celerities sqrt(g h) and sqrt(g d).
+// Returns the speed at which the level outside moves in, relative to the water inside, m/s: that of a bore, from the
+// momentum balance, if the level outside is higher, else the celerity inside. inside, outside: celerities sqrt(g h) and
+// sqrt(g d).
 double fastest_inwards(double inside, double outside) {
     if (!(outside > inside)) return inside;
     return outside * std::sqrt((outside * outside + inside * inside) / 2) / inside;
