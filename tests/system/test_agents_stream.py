@@ -149,8 +149,8 @@ class Recorded(RecordingTest):
         live = self.recorded_run(*pushing)
         self.assertGreater(max(map(abs, live.outcome()["momentum"]["people_got_n_s"])), 1)
         replay, crowd = self.replay("--take-agents"), self.client(*pushing)
-        self.assert_ends(replay, 6, "cannot answer people who push")
-        self.assert_ends(crowd, 5, "cannot answer people who push")
+        self.assert_ends(replay, 6, "cannot answer people that push")
+        self.assert_ends(crowd, 5, "cannot answer people that push")
 
 
 if __name__ == "__main__":
